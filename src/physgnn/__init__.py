@@ -1,0 +1,1 @@
+"""Real-time prediction of brain deformation."""
