@@ -1,0 +1,111 @@
+"""What every network offers to training, checkpoints and prediction.
+
+A :class:`Model` is everything between a load case and its displacement: the network,
+the statistics it was fitted with (all in ``state_dict``, so that one safetensors file
+holds them) and what it needs to know of the body it was made for. Training, reloading
+and predicting use nothing but this:
+
+>>> model = MODELS["physgnn"](body, configuration=3, dataset=2)     # untrained
+>>> model.fit(store, split.train)                                   # statistics only
+>>> x = torch.stack([model.encode(case) for case in cases])         # (batch, n, inputs)
+>>> y = model(x, body.graph)                                        # (batch, n, 3), mm
+
+To add a network: subclass :class:`Model`, take its options as keyword arguments that
+JSON can hold, and add one row to :data:`physgnn.learning.models.MODELS`.
+
+* ``__init__(body, **options)`` makes a model of which every buffer already has its
+  final shape, because a checkpoint is read by building the model with the recorded
+  options and loading its state; ``fit`` isn't called then. What follows from the body
+  alone (a factorisation, columns of its inverse) is made here, outside ``state_dict``
+  unless it's cheaper to store than to make again.
+* ``fit(store, samples)`` fills the buffers from these samples (the training set) and
+  reads the store lazily: it never holds all displacements.
+* ``encode(load_case)`` is called for one load case at a time, in float64 up to its
+  last line, and returns float32 inputs; all that ``forward`` needs of the load must be
+  in them (a lifted network puts the linear solution into three of its columns).
+  Work that depends on the load but not on trained weights belongs here.
+* ``forward(inputs, graph)`` takes a batch of inputs on any device, with the graph on
+  the same one, and returns displacement in mm (not a correction to it).
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from physgnn.dataset.store import Store
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.graph import Graph
+from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.materials import NeoHookean
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A mesh, what it's made of, and where it's held: all but the load.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The mesh.
+    materials : mapping of int to NeoHookean
+        The material of every region the mesh has.
+    fixed : (n_fixed,) integer array
+        Points that can't move.
+
+    Raises
+    ------
+    InputError
+        If a region has no material or a fixed point isn't in the mesh.
+    """
+
+    mesh: TetMesh
+    materials: Mapping[int, NeoHookean]
+    fixed: IntArray
+
+    def __post_init__(self) -> None:
+        fixed = np.asarray(self.fixed, dtype=np.int64).ravel()
+        object.__setattr__(self, "fixed", fixed)
+        missing = set(np.unique(self.mesh.region).tolist()) - set(self.materials)
+        if missing:
+            raise InputError(f"region {min(missing)} of the mesh has no material")
+        if len(fixed) and (fixed.min() < 0 or fixed.max() >= self.mesh.n_points):
+            raise InputError(
+                f"fixed points must index 0…{self.mesh.n_points - 1} "
+                f"(got {fixed.min()}…{fixed.max()})"
+            )
+
+    @classmethod
+    def of(cls, store: Store) -> "Body":
+        """Return the body a store's samples were computed on."""
+        return cls(store.mesh, store.materials, store.fixed)
+
+    @cached_property
+    def graph(self) -> Graph:
+        """The graph of the mesh, on the CPU, built when first asked for."""
+        return Graph.from_mesh(self.mesh)
+
+
+class Model(nn.Module, ABC):
+    """A network bound to a body; see the module's text for what each method owes."""
+
+    body: Body
+
+    @abstractmethod
+    def fit(self, store: Store, samples: IntArray) -> None:
+        """Fit the statistics to samples, (n, 2) rows of path and level."""
+
+    @abstractmethod
+    def encode(self, load_case: LoadCase) -> Tensor:
+        """Return the network's inputs for a load case, (n_points, n_inputs) float32."""
+
+    @abstractmethod
+    def forward(self, inputs: Tensor, graph: Graph) -> Tensor:
+        """Return displacement in mm, (batch, n_points, 3), for encoded inputs."""
