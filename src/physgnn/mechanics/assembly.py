@@ -1,0 +1,145 @@
+"""The tangent matrix: its pattern once a mesh, its values at every state."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numba import njit
+from numpy.typing import NDArray
+
+from physgnn.mechanics.element import (
+    Elements,
+    _element_tangent,
+    _kinematics,
+)
+from physgnn.mechanics.materials import table
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Upper triangle of the tangent over the free points, in CSR.
+
+    Attributes
+    ----------
+    free : (n_free,) array
+        Points that move; unknown 3 i + r is component r of point free[i].
+    indptr, indices : int32 arrays
+        CSR structure of the upper triangle, diagonal included.
+    slot : (n_cells, 4, 4) int32 array
+        For the block of corners a, b: its rank among the blocks of its row, or −1
+        where the block is fixed or belongs to the transposed half.
+    row : (n_points,) int32 array
+        Rank of a point among the free ones, or −1.
+    """
+
+    free: IntArray
+    indptr: NDArray[np.int32]
+    indices: NDArray[np.int32]
+    slot: NDArray[np.int32]
+    row: NDArray[np.int32]
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of free degrees of freedom."""
+        return 3 * len(self.free)
+
+
+def make_pattern(cells: NDArray[np.int32], n_points: int, fixed: IntArray) -> Pattern:
+    """Find the pattern of the tangent with the fixed points left out."""
+    free = np.setdiff1d(np.arange(n_points), fixed)
+    row = np.full(n_points, -1, dtype=np.int32)
+    row[free] = np.arange(len(free), dtype=np.int32)
+    corner = row[cells]
+    a, b = np.repeat(np.arange(4), 4), np.tile(np.arange(4), 4)
+    first, second = corner[:, a], corner[:, b]
+    kept = (first >= 0) & (second >= first)
+    blocks = sp.coo_matrix(
+        (np.ones(kept.sum()), (first[kept], second[kept])), shape=(len(free),) * 2
+    ).tocsr()
+    blocks.sort_indices()
+    key = np.repeat(np.arange(len(free)), np.diff(blocks.indptr)) * len(free)
+    place = np.searchsorted(
+        key + blocks.indices, first.astype(np.int64) * len(free) + second
+    )
+    rank = place - blocks.indptr[np.maximum(first, 0)]
+    slot = np.where(kept, rank, -1).astype(np.int32).reshape(-1, 4, 4)
+    indptr, indices = _expand_blocks(blocks.indptr, blocks.indices)
+    return Pattern(free, indptr, indices, slot, row)
+
+
+@njit(cache=True)
+def _expand_blocks(block_indptr, block_indices):  # type: ignore[no-untyped-def]
+    """Turn a CSR of upper 3×3 blocks into a CSR of upper entries."""
+    n = len(block_indptr) - 1
+    indptr = np.zeros(3 * n + 1, dtype=np.int32)
+    for i in range(n):
+        length = 3 * (block_indptr[i + 1] - block_indptr[i])
+        for r in range(3):
+            indptr[3 * i + r + 1] = indptr[3 * i + r] + length - r
+    indices = np.empty(indptr[-1], dtype=np.int32)
+    for i in range(n):
+        for r in range(3):
+            at = indptr[3 * i + r]
+            for k in range(block_indptr[i], block_indptr[i + 1]):
+                first = r if k == block_indptr[i] else 0
+                for c in range(first, 3):
+                    indices[at] = 3 * block_indices[k] + c
+                    at += 1
+    return indptr, indices
+
+
+@njit(cache=True)
+def _assemble(cells, gradients, volumes, law, constants, u, row, slot, indptr, data):  # type: ignore[no-untyped-def]
+    F, H = np.empty((3, 3)), np.empty((3, 3))
+    A, Ag = np.empty((3, 3, 3, 3)), np.empty((3, 3, 3))
+    K = np.empty((4, 4, 3, 3))
+    for e in range(len(cells)):
+        J = _kinematics(cells[e], gradients[e], u, F, H)
+        if not J > 0.0:
+            return e
+        table.tangent(law[e], F, H, J, constants[e], A)
+        _element_tangent(gradients[e], volumes[e], A, Ag, K)
+        for a in range(4):
+            for b in range(4):
+                rank = slot[e, a, b]
+                if rank < 0:
+                    continue
+                i = row[cells[e, a]]
+                for r in range(3):
+                    # Row r of the diagonal block starts at its diagonal entry, so
+                    # everything in that row sits r places further left.
+                    at = indptr[3 * i + r] + 3 * rank - r
+                    for c in range(r if a == b else 0, 3):
+                        data[at + c] += K[a, b, r, c] if a <= b else K[b, a, c, r]
+    return -1
+
+
+def assemble_tangent(
+    elements: Elements, pattern: Pattern, u: FloatArray
+) -> tuple[FloatArray, int]:
+    """Values of K(u) in the pattern's CSR order.
+
+    Returns
+    -------
+    data : (nnz,) array
+        N/mm.
+    inverted : int
+        First cell with det F ≤ 0, or −1; the values are then of no use.
+    """
+    data = np.zeros(len(pattern.indices))
+    inverted = _assemble(
+        elements.cells,
+        elements.gradients,
+        elements.volumes,
+        elements.law,
+        elements.constants,
+        u,
+        pattern.row,
+        pattern.slot,
+        pattern.indptr,
+        data,
+    )
+    return data, int(inverted)

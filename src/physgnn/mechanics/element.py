@@ -1,0 +1,208 @@
+"""Linear tetrahedra: deformation gradient, internal force, energy and tangent.
+
+Every kernel loops over cells in order and adds up in that order, so an answer does
+not depend on the number of threads or on the machine's scheduling.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.materials import table
+from physgnn.mechanics.materials.table import LAW_INDEX, MAX_CONSTANTS, Material
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Elements:
+    """What the kernels need of a mesh: gradients, volumes and a law for every cell.
+
+    Attributes
+    ----------
+    cells : (n_cells, 4) int32 array
+    gradients : (n_cells, 4, 3) array
+        ∂N_a/∂X, 1/mm.
+    volumes : (n_cells,) array
+        mm³.
+    law : (n_cells,) int64 array
+        Index into the table of materials.
+    constants : (n_cells, 8) array
+        The law's constants, MPa.
+    n_points : int
+    """
+
+    cells: NDArray[np.int32]
+    gradients: FloatArray
+    volumes: FloatArray
+    law: NDArray[np.int64]
+    constants: FloatArray
+    n_points: int
+
+
+def make_elements(mesh: TetMesh, materials: Mapping[int, Material]) -> Elements:
+    """Collect what the kernels need.
+
+    Raises
+    ------
+    InputError
+        If a region of the mesh has no material.
+    """
+    missing = sorted(set(np.unique(mesh.region).tolist()) - set(materials))
+    if missing:
+        raise InputError(
+            f"region {missing[0]} has no material (materials are given for "
+            f"{sorted(materials)})"
+        )
+    x = mesh.points[mesh.cells]
+    edges = np.stack([x[:, a] - x[:, 0] for a in (1, 2, 3)], axis=-1)
+    gradients = np.empty((mesh.n_cells, 4, 3))
+    gradients[:, 1:] = np.linalg.inv(edges)
+    gradients[:, 0] = -gradients[:, 1:].sum(axis=1)
+    law = np.zeros(mesh.n_cells, dtype=np.int64)
+    constants = np.zeros((mesh.n_cells, MAX_CONSTANTS))
+    for label, material in materials.items():
+        inside = mesh.region == label
+        law[inside] = LAW_INDEX[material.law]
+        constants[inside, : len(material.constants)] = material.constants
+    return Elements(
+        mesh.cells, gradients, mesh.cell_volumes, law, constants, mesh.n_points
+    )
+
+
+def deformation_gradient(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
+    """F = I + Σ_a u_a ⊗ ∂N_a/∂X.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    displacement : (n_points, 3) array
+        mm.
+
+    Returns
+    -------
+    (n_cells, 3, 3) array
+    """
+    x = mesh.points[mesh.cells]
+    current = x + displacement[mesh.cells]
+    reference = np.stack([x[:, a] - x[:, 0] for a in (1, 2, 3)], axis=-1)
+    deformed = np.stack([current[:, a] - current[:, 0] for a in (1, 2, 3)], axis=-1)
+    F: FloatArray = deformed @ np.linalg.inv(reference)
+    return F
+
+
+@njit(cache=True, inline="always")
+def _kinematics(cell, gradient, u, F, H):  # type: ignore[no-untyped-def]
+    """Fill F and H = F⁻ᵀ of one cell; return J = det F (H is left if J ≤ 0)."""
+    for i in range(3):
+        for j in range(3):
+            F[i, j] = 1.0 if i == j else 0.0
+            for a in range(4):
+                F[i, j] += u[cell[a], i] * gradient[a, j]
+    c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
+    c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
+    c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
+    J = F[0, 0] * c00 + F[0, 1] * c01 + F[0, 2] * c02
+    if J > 0.0:
+        H[0, 0], H[0, 1], H[0, 2] = c00 / J, c01 / J, c02 / J
+        H[1, 0] = (F[0, 2] * F[2, 1] - F[0, 1] * F[2, 2]) / J
+        H[1, 1] = (F[0, 0] * F[2, 2] - F[0, 2] * F[2, 0]) / J
+        H[1, 2] = (F[0, 1] * F[2, 0] - F[0, 0] * F[2, 1]) / J
+        H[2, 0] = (F[0, 1] * F[1, 2] - F[0, 2] * F[1, 1]) / J
+        H[2, 1] = (F[0, 2] * F[1, 0] - F[0, 0] * F[1, 2]) / J
+        H[2, 2] = (F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]) / J
+    return J
+
+
+@njit(cache=True)
+def _internal_force(cells, gradients, volumes, law, constants, u, force):  # type: ignore[no-untyped-def]
+    F, H, P = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    for e in range(len(cells)):
+        J = _kinematics(cells[e], gradients[e], u, F, H)
+        if not J > 0.0:
+            return e
+        table.stress(law[e], F, H, J, constants[e], P)
+        for a in range(4):
+            for i in range(3):
+                force[cells[e, a], i] += volumes[e] * (
+                    P[i, 0] * gradients[e, a, 0]
+                    + P[i, 1] * gradients[e, a, 1]
+                    + P[i, 2] * gradients[e, a, 2]
+                )
+    return -1
+
+
+@njit(cache=True)
+def _strain_energy(cells, gradients, volumes, law, constants, u):  # type: ignore[no-untyped-def]
+    F, H = np.empty((3, 3)), np.empty((3, 3))
+    total = 0.0
+    for e in range(len(cells)):
+        J = _kinematics(cells[e], gradients[e], u, F, H)
+        if not J > 0.0:
+            return np.inf
+        total += volumes[e] * table.energy(law[e], F, J, constants[e])
+    return total
+
+
+@njit(cache=True)
+def _element_tangent(gradient, volume, A, Ag, K):  # type: ignore[no-untyped-def]
+    """K_aibk = V ∂N_a/∂X_J A_iJkL ∂N_b/∂X_L, upper blocks b ≥ a only."""
+    for b in range(4):
+        for i in range(3):
+            for j in range(3):
+                for k in range(3):
+                    Ag[i, j, k] = volume * (
+                        A[i, j, k, 0] * gradient[b, 0]
+                        + A[i, j, k, 1] * gradient[b, 1]
+                        + A[i, j, k, 2] * gradient[b, 2]
+                    )
+        for a in range(b + 1):
+            for i in range(3):
+                for k in range(3):
+                    K[a, b, i, k] = (
+                        gradient[a, 0] * Ag[i, 0, k]
+                        + gradient[a, 1] * Ag[i, 1, k]
+                        + gradient[a, 2] * Ag[i, 2, k]
+                    )
+
+
+def internal_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
+    """Σ_e V P·∂N_a/∂X.
+
+    Returns
+    -------
+    force : (n_points, 3) array
+        N.
+    inverted : int
+        First cell with det F ≤ 0, or −1; the force is then of no use.
+    """
+    force = np.zeros((elements.n_points, 3))
+    inverted = _internal_force(
+        elements.cells,
+        elements.gradients,
+        elements.volumes,
+        elements.law,
+        elements.constants,
+        u,
+        force,
+    )
+    return force, int(inverted)
+
+
+def strain_energy(elements: Elements, u: FloatArray) -> float:
+    """Σ_e V W(F), N·mm; infinite if a cell is inverted."""
+    return float(
+        _strain_energy(
+            elements.cells,
+            elements.gradients,
+            elements.volumes,
+            elements.law,
+            elements.constants,
+            u,
+        )
+    )
