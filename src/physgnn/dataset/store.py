@@ -1,0 +1,254 @@
+"""The dataset: one mesh, many load paths, and the displacement along each."""
+
+import os
+import shutil
+import uuid
+from collections.abc import Mapping, Sequence
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.dataset import definition, layout
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.loads import LoadCase, LoadPath
+from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.solution import Solution, Status
+
+MATERIAL_MODELS = {"neo-hookean": NeoHookean}
+
+
+class Store:
+    """A dataset on disk, read lazily and written a load path at a time.
+
+    Make one with `create` or `open`. Different paths may be written by different
+    processes at the same time; a path is done once its status is on disk.
+
+    Parameters
+    ----------
+    path : path-like
+        The store's folder.
+    cache_bytes : int
+        How much of the displacement to keep in memory, bytes.
+
+    Raises
+    ------
+    InputError
+        If it is not a store, is of another version, or is damaged. Every method that
+        reads raises this for a damaged chunk.
+    """
+
+    def __init__(
+        self, path: str | os.PathLike[str], *, cache_bytes: int = 512 * 2**20
+    ) -> None:
+        self.path = Path(path)
+        self._group = layout.open_group(self.path)
+        self._attributes: dict[str, Any] = dict(self._group.attrs)
+        self.load_factors: NDArray[np.float64] = self._read("load_factors")
+        self.load_factors.flags.writeable = False
+        self.n_levels = len(self.load_factors)
+        self.n_paths = int(self._attributes["n_paths"])
+        path_bytes = 12 * self.n_levels * int(self._attributes["n_points"])
+        # All entries have the same size, so a bound on their number bounds the bytes.
+        self._cached = lru_cache(maxsize=max(cache_bytes // path_bytes, 1))(
+            self._read_displacement
+        )
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str], **options: int) -> Self:
+        """Open an existing store; options as the class takes them."""
+        return cls(path, **options)
+
+    @classmethod
+    def create(
+        cls,
+        path: str | os.PathLike[str],
+        mesh: TetMesh,
+        paths: Sequence[LoadPath],
+        *,
+        materials: Mapping[int, NeoHookean],
+        fixed: NDArray[np.int64],
+        provenance: Mapping[str, Any],
+    ) -> Self:
+        """Make a store in which every path is pending.
+
+        Parameters
+        ----------
+        path : path-like
+            A folder that does not exist yet.
+        mesh : TetMesh
+            The mesh of all samples.
+        paths : sequence of LoadPath
+            All with the same load factors.
+        materials : mapping of region to material
+            One for every region of the mesh.
+        fixed : (n_fixed,) integer array
+            Points held at zero displacement.
+        provenance : mapping
+            Anything JSON can hold: how the dataset came about.
+
+        Raises
+        ------
+        InputError
+            If the folder exists, a path does not fit, or a region has no material.
+        """
+        target = Path(path)
+        if target.exists():
+            raise InputError(f"{target} exists already: open it, or name another")
+        definition.check(mesh, paths, materials, fixed)
+        partial = target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.partial")
+        try:
+            partial.parent.mkdir(parents=True, exist_ok=True)
+            definition.write(partial, mesh, paths, materials, fixed, provenance)
+            partial.rename(target)
+        finally:
+            shutil.rmtree(partial, ignore_errors=True)
+        return cls(target)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.path,)
+
+    def _read(self, name: str, row: int | None = None) -> np.ndarray[Any, Any]:
+        return layout.read(self._group, name, row)
+
+    @cached_property
+    def mesh(self) -> TetMesh:
+        """The mesh, with its point sets."""
+        mesh = TetMesh(
+            points=self._read("mesh/points"),
+            cells=self._read("mesh/cells"),
+            region=self._read("mesh/region"),
+            point_sets={
+                name: self._read(f"mesh/point_sets/{name}")
+                for name in self._attributes["point_sets"]
+            },
+        )
+        if mesh.content_hash != self._attributes["mesh_hash"]:
+            reason = "not the mesh the store was made with"
+            raise InputError(layout.damaged(self._group, "mesh", None, reason))
+        return mesh
+
+    @cached_property
+    def fixed(self) -> NDArray[np.int64]:
+        """Points held at zero displacement."""
+        return self._read("fixed")
+
+    @cached_property
+    def materials(self) -> dict[int, NeoHookean]:
+        """Material of every region."""
+        records = self._attributes["materials"]
+        return {
+            int(region): definition.material_from(r) for region, r in records.items()
+        }
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """How the dataset came about, as given to `create`."""
+        return dict(self._attributes["provenance"])
+
+    @cached_property
+    def _loads(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        return self._read("loads/nodes"), self._read("loads/forces")
+
+    def load_path(self, i: int) -> LoadPath:
+        """Return load path ``i``."""
+        nodes, forces = self._loads
+        used = nodes[i] >= 0
+        return LoadPath(nodes[i][used], forces[i][used], self.load_factors)
+
+    def load_case(self, i: int, level: int) -> LoadCase:
+        """Return the load case of path ``i`` at a 0-based level."""
+        return self.load_path(i).case(level)
+
+    def displacement(self, i: int) -> NDArray[np.float32]:
+        """Return path ``i``'s displacement, (n_levels, n_points, 3), mm, read-only.
+
+        Raises
+        ------
+        InputError
+            If the path is pending or its chunk is damaged.
+        """
+        return self._cached(i)
+
+    def _read_displacement(self, i: int) -> NDArray[np.float32]:
+        if (self._read("result/status", i) == Status.NOT_SOLVED).all():
+            raise InputError(
+                f"store {self.path}: load path {i} has no result yet; run "
+                "'physgnn simulate' again to resume"
+            )
+        values: NDArray[np.float32] = self._read("result/displacement", i)
+        if np.isnan(values).any():  # what Zarr gives for a chunk that is not there
+            name = "result/displacement"
+            raise InputError(layout.damaged(self._group, name, i, "chunk missing"))
+        values.flags.writeable = False
+        return values
+
+    @property
+    def status(self) -> NDArray[np.int8]:
+        """`Status` of every level, (n_paths, n_levels), read afresh every time."""
+        return self._read("result/status")
+
+    @property
+    def residual(self) -> NDArray[np.float32]:
+        """Relative residual of every level, (n_paths, n_levels); NaN if pending."""
+        return self._read("result/residual")
+
+    @property
+    def seconds(self) -> NDArray[np.float64]:
+        """Time each path took to solve, (n_paths,), s; NaN if pending."""
+        return self._read("result/seconds")
+
+    @property
+    def reached(self) -> NDArray[np.float64]:
+        """Highest load factor in equilibrium, (n_paths,); NaN if pending."""
+        return self._read("result/reached")
+
+    def message(self, i: int) -> str:
+        """Return why path ``i`` ended early; empty if it did not."""
+        return bytes(self._read("result/message", i)).rstrip(b"\0").decode()
+
+    def write(self, i: int, solution: Solution) -> None:
+        """Store the solution of path ``i``; its status goes last."""
+        displacement = solution.displacement.astype(np.float32)
+        status = solution.status.astype(np.int8)
+        message = solution.message.encode()[: layout.MESSAGE_BYTES]
+        message = message.decode(errors="ignore").encode()  # no half character
+        values: dict[str, Any] = {
+            "displacement": displacement,
+            "residual": solution.residual,
+            "seconds": solution.seconds,
+            "reached": solution.reached,
+            "message": np.frombuffer(message.ljust(layout.MESSAGE_BYTES, b"\0"), "u1"),
+            "digest": np.frombuffer(
+                bytes.fromhex(layout.digest_of(displacement, status)), "u1"
+            ),
+            "status": status,
+        }
+        for name in layout.result_arrays(self.n_levels, displacement.shape[1]):
+            self._group[f"result/{name}"][i] = values[name]  # type: ignore[index]
+
+    def pending(self) -> NDArray[np.int64]:
+        """Return the paths without a result."""
+        return np.flatnonzero((self.status == Status.NOT_SOLVED).all(axis=1))
+
+    def samples(self) -> NDArray[np.int64]:
+        """Return (path, level) of every converged sample, path by path, (n, 2)."""
+        return np.argwhere(self.status == Status.CONVERGED)
+
+    @cached_property
+    def definition_hash(self) -> str:
+        """SHA-256 of mesh, materials, fixed points and load paths: what is asked."""
+        return layout.digest_of(
+            self.mesh.content_hash,
+            self._attributes["materials"],
+            self.fixed,
+            *self._loads,
+            self.load_factors,
+        )
+
+    def content_hash(self) -> str:
+        """SHA-256 of what is asked and of all answers so far; times do not count."""
+        return layout.digest_of(self.definition_hash, self._read("result/digest"))
