@@ -95,9 +95,7 @@ class PardisoSolver:
         self._call(_SOLVE, b, x, b.size // self._n)
         return x.astype(np.float64)
 
-    def _call(
-        self, phase: int, b: NDArray[Any], x: NDArray[Any], n_right: int
-    ) -> int:
+    def _call(self, phase: int, b: NDArray[Any], x: NDArray[Any], n_right: int) -> int:
         mkl = _mkl()
         mkl.MKL_Set_Num_Threads_Local(self._threads)
         error = _pardiso(
@@ -154,9 +152,7 @@ def _pardiso(
 
 
 def _release(handle: NDArray[Any], n: int, iparm: NDArray[Any]) -> None:
-    _pardiso(
-        _mkl(), (handle, n, iparm), _RELEASE, (None, None, None), (None, None, 1)
-    )
+    _pardiso(_mkl(), (handle, n, iparm), _RELEASE, (None, None, None), (None, None, 1))
 
 
 class SuperLUSolver:

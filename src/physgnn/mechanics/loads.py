@@ -114,7 +114,9 @@ def checked_forces(nodes: IntArray, forces: FloatArray) -> tuple[IntArray, Float
         )
     if not np.isfinite(forces).all():
         bad = int(nodes[~np.isfinite(forces).all(axis=1)][0])
-        raise InputError(f"forces must be finite, in N (the force on node {bad} is not)")
+        raise InputError(
+            f"forces must be finite, in N (the force on node {bad} is not)"
+        )
     if not forces.any():
         raise InputError("forces must not all be zero: there is nothing to solve")
     unique, counts = np.unique(nodes, return_counts=True)

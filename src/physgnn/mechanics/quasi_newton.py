@@ -1,0 +1,169 @@
+"""Equilibrium at one load: a kept factorisation, sharpened by secant pairs.
+
+Newton's method needs a factorisation an iteration; here one factor serves several
+load levels. It is kept in single precision (residuals are in double, so the answer
+is not), and limited-memory BFGS (Nocedal & Wright, *Numerical Optimization*, 2nd
+ed., algorithm 7.4) corrects it with what the iteration itself learns. The factor is
+renewed when that no longer pays.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.mechanics.assembly import Pattern, assemble_tangent
+from physgnn.mechanics.element import Elements, internal_force
+from physgnn.mechanics.linear_solver import LinearSolver
+from physgnn.mechanics.solution import Status
+
+FloatArray = NDArray[np.float64]
+
+MAX_PAIRS = 12
+MAX_HALVINGS = 12
+
+
+@dataclass
+class Equilibrium:
+    """Where an iteration ended."""
+
+    state: FloatArray
+    status: Status
+    residual_norm: float
+    inverted: int = -1
+
+
+@dataclass
+class QuasiNewton:
+    """Solves f_ext − f_int(u) = 0 over the free unknowns, many times in a row.
+
+    Parameters
+    ----------
+    elements, pattern, solver
+        The discretised body and its linear solver.
+    tolerance_mm : float
+        Bound on the estimated displacement error of the worst point.
+    max_iterations : int
+        A load.
+    """
+
+    elements: Elements
+    pattern: Pattern
+    solver: LinearSolver
+    tolerance_mm: float
+    max_iterations: int
+    counts: dict[str, int] = field(
+        default_factory=lambda: {"factorisations": 0, "back_solves": 0, "residuals": 0}
+    )
+
+    def __post_init__(self) -> None:
+        self._pairs: list[tuple[FloatArray, FloatArray]] = []
+
+    def displacement(self, state: FloatArray) -> FloatArray:
+        """Spread the free unknowns over all points, (n_points, 3)."""
+        u = np.zeros((self.elements.n_points, 3))
+        u[self.pattern.free] = state.reshape(-1, 3)
+        return u
+
+    def residual(self, state: FloatArray, load: FloatArray) -> tuple[FloatArray, int]:
+        """Return load − internal force over the free unknowns, and any inverted cell."""
+        self.counts["residuals"] += 1
+        force, inverted = internal_force(self.elements, self.displacement(state))
+        return load - force[self.pattern.free].ravel(), inverted
+
+    def refactorize(self, state: FloatArray) -> bool:
+        """Factorise K(u) and forget the pairs; False if K is not positive definite."""
+        data, inverted = assemble_tangent(
+            self.elements, self.pattern, self.displacement(state)
+        )
+        if inverted >= 0:
+            return False
+        self.counts["factorisations"] += 1
+        self._pairs.clear()
+        return self.solver.factorize(data)
+
+    def direction(self, residual: FloatArray) -> FloatArray:
+        """Apply the L-BFGS inverse to a residual (two-loop recursion)."""
+        q = residual.copy()
+        weights = []
+        for s, y in reversed(self._pairs):
+            weight = (s @ q) / (s @ y)
+            q -= weight * y
+            weights.append(weight)
+        self.counts["back_solves"] += 1
+        d = self.solver.solve(q)
+        for (s, y), weight in zip(self._pairs, reversed(weights), strict=True):
+            d += s * (weight - (y @ d) / (s @ y))
+        return d
+
+    def solve(self, start: FloatArray, load: FloatArray) -> Equilibrium:
+        """Iterate from a start to equilibrium under a load."""
+        state = start
+        r, inverted = self.residual(state, load)
+        if inverted >= 0:
+            return Equilibrium(state, Status.INVERTED, np.inf, inverted)
+        previous, since_factor, fresh = np.inf, 0, False
+        for _ in range(self.max_iterations):
+            d = self.direction(r)
+            moved, r_new, scale, inverted = self._step(state, d, load)
+            if scale == 0.0:
+                if fresh or not self.refactorize(state):
+                    return Equilibrium(state, Status.INVERTED, _norm(r), inverted)
+                previous, since_factor, fresh = np.inf, 0, True
+                continue
+            self._remember(scale * d, r - r_new)
+            state, r = moved, r_new
+            size = scale * largest_norm(d)
+            if scale == 1.0 and self._close_enough(size, previous):
+                return Equilibrium(state, Status.CONVERGED, _norm(r))
+            since_factor += 1
+            if self._worn_out(size, previous, since_factor):
+                if not self.refactorize(state):
+                    return Equilibrium(state, Status.LIMIT_POINT, _norm(r))
+                size, since_factor = np.inf, 0
+            previous, fresh = size, since_factor == 0
+        return Equilibrium(state, Status.ITERATION_LIMIT, _norm(r))
+
+    def _step(
+        self, state: FloatArray, d: FloatArray, load: FloatArray
+    ) -> tuple[FloatArray, FloatArray, float, int]:
+        """Take the longest of d, d/2, d/4 … that inverts no cell."""
+        scale, inverted = 1.0, -1
+        for _ in range(MAX_HALVINGS):
+            moved = state + scale * d
+            r, bad = self.residual(moved, load)
+            if bad < 0:
+                return moved, r, scale, inverted
+            inverted = bad
+            scale /= 2
+        return state, d, 0.0, inverted
+
+    def _remember(self, s: FloatArray, y: FloatArray) -> None:
+        # Only pairs of positive curvature keep the inverse positive definite.
+        if s @ y > 1e-12 * np.sqrt((s @ s) * (y @ y)):
+            self._pairs.append((s, y))
+            del self._pairs[:-MAX_PAIRS]
+
+    def _close_enough(self, size: float, previous: float) -> bool:
+        """Whether the error left, from the steps' contraction, meets the tolerance."""
+        if not np.isfinite(previous):
+            return size < self.tolerance_mm / 2
+        contraction = size / previous
+        if contraction >= 0.9:
+            return size < self.tolerance_mm / 4
+        # Never trust one lucky contraction with more than a factor of four.
+        left = size * max(contraction / (1 - contraction), 0.25)
+        return left < self.tolerance_mm
+
+    def _worn_out(self, size: float, previous: float, since_factor: int) -> bool:
+        """Whether a new factor is cheaper than going on (it costs ~20 back-solves)."""
+        return since_factor >= 6 or (since_factor >= 2 and size > previous)
+
+
+def largest_norm(d: FloatArray) -> float:
+    """Largest Euclidean norm over points, mm."""
+    return float(np.sqrt((d.reshape(-1, 3) ** 2).sum(axis=1).max()))
+
+
+def _norm(r: FloatArray) -> float:
+    return float(np.linalg.norm(r))
