@@ -1,1 +1,1 @@
-"""TODO."""
+"""Networks that predict displacement: graph, inputs, models, training, checkpoints."""

@@ -42,7 +42,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.materials import Material
 
 IntArray = NDArray[np.int64]
 
@@ -55,7 +55,7 @@ class Body:
     ----------
     mesh : TetMesh
         The mesh.
-    materials : mapping of int to NeoHookean
+    materials : mapping of int to Material
         The material of every region the mesh has.
     fixed : (n_fixed,) integer array
         Points that can't move.
@@ -67,7 +67,7 @@ class Body:
     """
 
     mesh: TetMesh
-    materials: Mapping[int, NeoHookean]
+    materials: Mapping[int, Material]
     fixed: IntArray
 
     def __post_init__(self) -> None:

@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 
 from physgnn.errors import InputError
 from physgnn.learning.interface import Body, Model
-from physgnn.learning.published_model import PublishedModel
+from physgnn.learning.physgnn_model import PhysGNNModel
 
 MODELS: Mapping[str, Callable[..., Model]] = {
-    "physgnn": PublishedModel,
+    "physgnn": PhysGNNModel,
 }
 
 
