@@ -15,10 +15,10 @@ from physgnn.dataset import definition, layout
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads import LoadCase, LoadPath
-from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.materials import Material, material_from_config
 from physgnn.mechanics.solution import Solution, Status
 
-MATERIAL_MODELS = {"neo-hookean": NeoHookean}
+MATERIAL_MODELS = {"neo-hookean": Material}
 
 
 class Store:
@@ -69,7 +69,7 @@ class Store:
         mesh: TetMesh,
         paths: Sequence[LoadPath],
         *,
-        materials: Mapping[int, NeoHookean],
+        materials: Mapping[int, Material],
         fixed: NDArray[np.int64],
         provenance: Mapping[str, Any],
     ) -> Self:
@@ -102,7 +102,14 @@ class Store:
         partial = target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.partial")
         try:
             partial.parent.mkdir(parents=True, exist_ok=True)
-            definition.write(partial, mesh, paths, materials, fixed, provenance)
+            definition.write(
+                partial,
+                mesh,
+                paths,
+                materials=materials,
+                fixed=fixed,
+                provenance=provenance,
+            )
             partial.rename(target)
         finally:
             shutil.rmtree(partial, ignore_errors=True)
@@ -137,12 +144,10 @@ class Store:
         return self._read("fixed")
 
     @cached_property
-    def materials(self) -> dict[int, NeoHookean]:
+    def materials(self) -> dict[int, Material]:
         """Material of every region."""
         records = self._attributes["materials"]
-        return {
-            int(region): definition.material_from(r) for region, r in records.items()
-        }
+        return {int(region): material_from_config(r) for region, r in records.items()}
 
     @property
     def provenance(self) -> dict[str, Any]:
@@ -174,7 +179,7 @@ class Store:
         return self._cached(i)
 
     def _read_displacement(self, i: int) -> NDArray[np.float32]:
-        if (self._read("result/status", i) == Status.NOT_SOLVED).all():
+        if self.is_pending(i):
             raise InputError(
                 f"store {self.path}: load path {i} has no result yet; run "
                 "'physgnn simulate' again to resume"
@@ -233,6 +238,10 @@ class Store:
     def pending(self) -> NDArray[np.int64]:
         """Return the paths without a result."""
         return np.flatnonzero((self.status == Status.NOT_SOLVED).all(axis=1))
+
+    def is_pending(self, i: int) -> bool:
+        """Return whether path ``i`` has no result."""
+        return bool((self._read("result/status", i) == Status.NOT_SOLVED).all())
 
     def samples(self) -> NDArray[np.int64]:
         """Return (path, level) of every converged sample, path by path, (n, 2)."""

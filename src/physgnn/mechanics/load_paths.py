@@ -61,7 +61,7 @@ def single_node_paths(
     random = np.random.RandomState(MATLAB_SEED)
     drawn = uniform_directions(random, 924)
     x, y, z = np.abs(drawn).T
-    oblique = (x < 0.6) & (y < 0.6) & (0.2 < z) & (z < 0.9)
+    oblique = (x < 0.6) & (y < 0.6) & (z > 0.2) & (z < 0.9)
     directions = drawn[oblique][: 11 * others]
     directions[list(REPLACED)] = uniform_directions(random, 154)[list(REPLACED_BY)]
     if len(nodes) * others > len(directions):
@@ -199,4 +199,5 @@ def within_cone(
     side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     side /= np.linalg.norm(side)
     around = np.cos(turn) * side + np.sin(turn) * np.cross(axis, side)
-    return z * axis + np.sqrt(1 - z**2) * around
+    direction: FloatArray = z * axis + np.sqrt(1 - z**2) * around
+    return direction
