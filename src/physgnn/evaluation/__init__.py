@@ -1,1 +1,1 @@
-"""TODO."""
+"""Errors of predictors on held-out samples: tables, figures and a report."""

@@ -1,0 +1,143 @@
+"""Charts of an evaluation: error over load level, distribution of errors, bounds."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from physgnn.evaluation.distribution import BIN_EDGES_MM
+from physgnn.evaluation.result import ModelErrors, Report
+from physgnn.evaluation.style import colour, label
+
+SMALLEST_SHOWN_MM = 1e-4
+MERGED_BINS = 48  # histogram bins drawn as one: 0.25 % each gives 13 % a step
+LABEL_GAP = 0.055  # least distance of labels, as a fraction of the axis
+
+
+def level_chart(report: Report) -> Figure:
+    """Mean and largest Euclidean error over the load factor, every predictor."""
+    figure = Figure(figsize=(9.6, 4.0), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    factors = np.array(report.load_factors)
+    for axes, title, attribute in (
+        (left, "Mean error of a node", "mean"),
+        (right, "Largest error of a node, mean over samples", "largest"),
+    ):
+        lines = [(m, *_by_level(m, attribute, len(factors))) for m in report.models]
+        for model, levels, values in lines:
+            axes.plot(
+                100 * factors[levels],
+                np.maximum(values, SMALLEST_SHOWN_MM),
+                color=colour(model.name),
+                linewidth=2,
+                marker="o",
+                markersize=3 if len(levels) > 8 else 4.5,
+            )
+        axes.set(title=title, xlabel="load, % of the full force", yscale="log")
+        axes.yaxis.set_major_formatter(FuncFormatter(_millimetres))
+        axes.set_xlim(0, None)
+        _label_line_ends(axes, [(m.name, float(v[-1])) for m, _, v in lines])
+    return figure
+
+
+def _by_level(
+    model: ModelErrors, attribute: str, n_levels: int
+) -> tuple[list[int], list[float]]:
+    """Return levels with samples and the mean over samples of an error there."""
+    values: list[list[float]] = [[] for _ in range(n_levels)]
+    for sample in model.samples:
+        values[sample.level].append(getattr(sample, attribute))
+    levels = [level for level in range(n_levels) if values[level]]
+    return levels, [float(np.mean(values[level])) for level in levels]
+
+
+def _label_line_ends(axes: Axes, ends: Sequence[tuple[str, float]]) -> None:
+    """Write every predictor's name at the end of its line, none over another."""
+    low, high = np.log(axes.get_ylim())
+    height = 0.0
+    for name, value in sorted(ends, key=lambda end: end[1]):
+        wanted = (np.log(max(value, SMALLEST_SHOWN_MM)) - low) / (high - low)
+        height = max(wanted, height)
+        axes.annotate(
+            label(name),
+            (1.02, height),
+            xycoords="axes fraction",
+            color=colour(name),
+            va="center",
+            fontsize=9,
+            fontweight="bold",
+        )
+        height += LABEL_GAP
+
+
+def histogram_chart(report: Report) -> Figure:
+    """Distribution of the Euclidean error over all nodes and samples."""
+    figure = Figure(figsize=(9.6, 3.6), layout="constrained")
+    axes = figure.subplots()
+    starts = np.arange(0, len(BIN_EDGES_MM) - MERGED_BINS, MERGED_BINS)
+    edges = BIN_EDGES_MM[starts]
+    shown = edges[:-1] >= SMALLEST_SHOWN_MM
+    largest = max(model.euclidean.largest for model in report.models)
+    for model in report.models:
+        counts = np.add.reduceat(np.array(model.histogram[1:]), starts)[:-1]
+        share = 100 * counts / max(sum(model.histogram), 1)
+        paint = colour(model.name)
+        axes.stairs(
+            share[shown],
+            edges[np.append(shown, True)],
+            color=paint,
+            linewidth=1.8,
+            label=label(model.name),
+        )
+        axes.stairs(
+            share[shown],
+            edges[np.append(shown, True)],
+            color=paint,
+            fill=True,
+            alpha=0.14,
+        )
+    axes.axvline(1.0, color=axes.xaxis.label.get_color(), linewidth=1, linestyle="--")
+    axes.set(
+        title="Error of a node, all nodes of all samples",
+        xscale="log",
+        xlim=(SMALLEST_SHOWN_MM, 1.5 * largest),
+        ylim=(0, None),
+        xlabel="Euclidean error (dashed: 1 mm)",
+        ylabel="nodes, %",
+    )
+    axes.xaxis.set_major_formatter(FuncFormatter(_millimetres))
+    axes.legend(loc="upper left")
+    return figure
+
+
+def estimate_chart(model: ModelErrors) -> Figure:
+    """Error bound over true error, a dot a sample; on or above the line it held."""
+    figure = Figure(figsize=(9.6, 4.2), layout="constrained")
+    for axes, title, true, bound in (
+        (figure.add_subplot(1, 2, 1), "Mean error", "mean", "estimate_mean"),
+        (figure.add_subplot(1, 2, 2), "Largest error", "largest", "estimate_largest"),
+    ):
+        pairs = [(getattr(s, true), getattr(s, bound)) for s in model.samples]
+        x, y = np.array([pair for pair in pairs if pair[1] is not None]).T
+        shade = [s.load_factor for s in model.samples if s.estimate_mean is not None]
+        dots = axes.scatter(x, y, c=shade, cmap="viridis", s=14, vmin=0, vmax=1)
+        ends = [0.8 * min(x.min(), y.min()), 1.25 * max(x.max(), y.max())]
+        axes.plot(ends, ends, color=axes.xaxis.label.get_color(), linewidth=1)
+        held = 100 * np.mean(x <= y)
+        axes.set(
+            title=f"{title}: the bound held in {held:.0f} % of samples",
+            xscale="log",
+            yscale="log",
+            xlabel="true error",
+            ylabel="bound",
+        )
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(FuncFormatter(_millimetres))
+    figure.colorbar(dots, ax=figure.axes, label="load factor", shrink=0.85)
+    return figure
+
+
+def _millimetres(value: float, _: object = None) -> str:
+    return f"{value:g} mm"

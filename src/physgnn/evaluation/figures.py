@@ -1,0 +1,255 @@
+"""The figures of a report, each saved for a light and for a dark page."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from physgnn.dataset.store import Store
+from physgnn.evaluation import scenes
+from physgnn.evaluation.charts import estimate_chart, histogram_chart, level_chart
+from physgnn.evaluation.result import ModelErrors, Report
+from physgnn.evaluation.scenes import FloatArray, Image, View
+from physgnn.evaluation.style import (
+    BRAIN,
+    DISPLACEMENT_MAP,
+    ERROR_MAP,
+    FIXED,
+    LOADED,
+    THEMES,
+    TUMOUR,
+    label,
+)
+from physgnn.prediction.prediction import Predict
+
+DPI = 160
+SATURATED = 99.5  # percentile where colours end: a few loaded points move much more
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure on disk.
+
+    Attributes
+    ----------
+    name : str
+        File name without theme and ending.
+    caption : str
+        What it shows, for readers and for screen readers.
+    files : tuple of Path
+        PNG for a light page, PNG for a dark page.
+    """
+
+    name: str
+    caption: str
+    files: tuple[Path, ...]
+
+
+def draw_figures(
+    report: Report, store: Store, predict: Predict, folder: Path
+) -> tuple[Picture, ...]:
+    """Draw every figure of a report into a folder.
+
+    Parameters
+    ----------
+    report : Report
+        Its last model is the one under test.
+    store : Store
+        What was evaluated on.
+    predict : callable
+        The model under test, asked again for its worst case.
+    folder : path
+        Made if it is missing.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    model = report.models[-1]
+    made = [
+        _draw_case(store, model, folder),
+        _draw_deformed(store, model, folder),
+        _save(
+            "error_over_level",
+            "Euclidean error over the load: the mean over nodes and samples on the "
+            "left, the mean of the samples' largest on the right; logarithmic.",
+            lambda: level_chart(report),
+            folder,
+        ),
+        _save(
+            "error_histogram",
+            "How the Euclidean errors of all nodes and samples are distributed.",
+            lambda: histogram_chart(report),
+            folder,
+        ),
+    ]
+    if any(sample.estimate_mean is not None for sample in model.samples):
+        caption = (
+            "The error bound each prediction carried over its true error; dots above "
+            "the line kept the promise."
+        )
+        made.append(
+            _save("error_bound", caption, lambda: estimate_chart(model), folder)
+        )
+    made.append(_draw_worst(store, model, predict, folder))
+    return tuple(made)
+
+
+def _draw_case(store: Store, model: ModelErrors, folder: Path) -> Picture:
+    mesh, sample = store.mesh, model.worst
+    mesh = mesh.with_point_sets(fixed=store.fixed)
+    path = store.load_path(sample.path)
+    view = View.of(mesh, path.nodes)
+    images = (
+        scenes.render_case(mesh, path.case(store.n_levels - 1), view),
+        scenes.render_cut(mesh, view),
+    )
+
+    def figure() -> Figure:
+        made, _ = _panels(images, ("Fixed and loaded points", "Mesh, cut open"))
+        kinds = (("fixed", FIXED), ("loaded, force", LOADED), ("tumour", TUMOUR))
+        dots = [
+            Line2D([], [], marker="o", linestyle="", color=paint, label=name)
+            for name, paint in (("brain", BRAIN), *kinds)
+        ]
+        made.legend(handles=dots, loc="outside lower center", ncols=4)
+        return made
+
+    return _save(
+        "case",
+        f"The case: {mesh.n_points} points, {mesh.n_cells} tetrahedra, "
+        f"{len(store.fixed)} fixed and {len(path.nodes)} loaded points.",
+        figure,
+        folder,
+    )
+
+
+def _draw_deformed(store: Store, model: ModelErrors, folder: Path) -> Picture:
+    sample = max(model.samples, key=lambda s: s.largest_displacement)
+    truth = store.displacement(sample.path)[sample.level].astype(np.float64)
+    length = np.linalg.norm(truth, axis=1)
+    limits = (0.0, float(np.percentile(length, SATURATED)))
+    mesh, view = store.mesh, View.of(store.mesh, store.load_path(sample.path).nodes)
+    colours = {"view": view, "limits": limits, "map": DISPLACEMENT_MAP}
+    images = (
+        scenes.render_surface(mesh, truth, length, **colours),
+        scenes.render_deformed_cut(mesh, truth, length, **colours),
+    )
+
+    def figure() -> Figure:
+        titles = ("Deformed surface", "Cut through the tumour; grey line: at rest")
+        made, axes = _panels(images, titles)
+        _colour_bar(made, axes, DISPLACEMENT_MAP, limits, "displacement, mm")
+        return made
+
+    return _save(
+        "deformed",
+        f"The finite-element answer for load path {sample.path} at "
+        f"{100 * sample.load_factor:.0f} % load, true to scale; it moves up to "
+        f"{sample.largest_displacement:.1f} mm.",
+        figure,
+        folder,
+    )
+
+
+def _draw_worst(
+    store: Store, model: ModelErrors, predict: Predict, folder: Path
+) -> Picture:
+    sample = model.worst
+    case = store.load_case(sample.path, sample.level)
+    truth = store.displacement(sample.path)[sample.level].astype(np.float64)
+    predicted = predict(case).displacement
+    error = np.linalg.norm(truth - predicted, axis=1)
+    limits = (0.0, float(np.percentile(np.linalg.norm(truth, axis=1), SATURATED)))
+    errors = (0.0, float(np.percentile(error, SATURATED)))
+    view = View.of(store.mesh, case.nodes)
+
+    def render(
+        displacement: FloatArray,
+        values: FloatArray,
+        colours: str,
+        ends: tuple[float, float],
+    ) -> Image:
+        return scenes.render_surface(
+            store.mesh, displacement, values, view=view, limits=ends, map=colours
+        )
+
+    images = (
+        render(truth, np.linalg.norm(truth, axis=1), DISPLACEMENT_MAP, limits),
+        render(predicted, np.linalg.norm(predicted, axis=1), DISPLACEMENT_MAP, limits),
+        render(predicted, error, ERROR_MAP, errors),
+    )
+
+    def figure() -> Figure:
+        titles = ("Finite elements", label(model.name), "Error of the prediction")
+        made, axes = _panels(images, titles)
+        _colour_bar(made, axes[:2], DISPLACEMENT_MAP, limits, "displacement, mm")
+        _colour_bar(made, axes[2:], ERROR_MAP, errors, "error, mm")
+        return made
+
+    return _save(
+        "worst_case",
+        f"The worst case of {len(model.samples)}: load path {sample.path} at "
+        f"{100 * sample.load_factor:.0f} % load. Mean error {sample.mean:.2g} mm, "
+        f"largest {sample.largest:.2g} mm (colours end at {errors[1]:.2g} mm).",
+        figure,
+        folder,
+    )
+
+
+def _panels(
+    images: tuple[Image, ...], titles: tuple[str, ...]
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure with one image beside the other, their margins cut off."""
+    made = Figure(figsize=(9.6, 8.6 / len(images)), layout="constrained")
+    axes = [made.add_subplot(1, len(images), i + 1) for i in range(len(images))]
+    for panel, image, title in zip(axes, _cropped(images), titles, strict=True):
+        panel.imshow(image)
+        panel.set_title(title, loc="center")
+        panel.axis("off")
+    return made, axes
+
+
+def _cropped(images: Iterable[Image]) -> list[Image]:
+    """Cut the margins that are empty in every image, so that all keep one scale."""
+    stack = np.stack(list(images))
+    drawn = (stack[..., 3] > 0).any(axis=0)
+    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
+    return list(stack[:, rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
+
+
+def _colour_bar(
+    figure: Figure,
+    axes: list[Axes],
+    colours: str,
+    limits: tuple[float, float],
+    text: str,
+) -> None:
+    scale = ScalarMappable(Normalize(*limits), colours)
+    figure.colorbar(
+        scale,
+        ax=axes,
+        orientation="horizontal",
+        label=text,
+        extend="max",
+        shrink=0.6 if len(axes) > 1 else 0.9,
+        aspect=30 if len(axes) > 1 else 22,
+        pad=0.03,
+    )
+
+
+def _save(
+    name: str, caption: str, figure: Callable[[], Figure], folder: Path
+) -> Picture:
+    """Draw a figure once a theme and save it."""
+    files = []
+    for theme in THEMES:
+        with mpl.rc_context(theme.settings()):
+            file = folder / f"{name}_{theme.name}.png"
+            figure().savefig(file, dpi=DPI, transparent=True)
+            files.append(file)
+    return Picture(name, caption, tuple(files))

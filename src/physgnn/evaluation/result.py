@@ -1,0 +1,129 @@
+"""What an evaluation gives back, and its JSON form."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from physgnn.errors import InputError
+from physgnn.evaluation.distribution import Distribution
+from physgnn.evaluation.metrics import SampleError, SampleSummary
+
+FORMAT = "physgnn-evaluation"
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class ModelErrors:
+    """Errors of one predictor over the samples of an evaluation.
+
+    Attributes
+    ----------
+    name : str
+    by_component : mapping of str to Distribution
+        x, y, z, euclidean and position errors over all nodes and samples.
+    by_region : mapping of str to Distribution
+        Euclidean error in the loaded region, and in the tumour if there is one.
+    by_level : tuple of Distribution or None
+        Euclidean error at every level; None where no sample was evaluated.
+    histogram : tuple of int
+        Counts of Euclidean errors over the bins of `distribution.BIN_EDGES_MM`, those
+        that count as zero first.
+    summary : SampleSummary
+    samples : tuple of SampleError
+        In the order they were evaluated.
+    """
+
+    name: str
+    by_component: Mapping[str, Distribution]
+    by_region: Mapping[str, Distribution]
+    by_level: tuple[Distribution | None, ...]
+    histogram: tuple[int, ...]
+    summary: SampleSummary
+    samples: tuple[SampleError, ...]
+
+    @property
+    def euclidean(self) -> Distribution:
+        """Distribution of the Euclidean error over all nodes and samples."""
+        return self.by_component["euclidean"]
+
+    @property
+    def worst(self) -> SampleError:
+        """The sample with the largest nodal error."""
+        return max(self.samples, key=lambda sample: sample.largest)
+
+
+@dataclass(frozen=True)
+class Report:
+    """Errors of several predictors on the same samples.
+
+    Attributes
+    ----------
+    split : str
+        Name of the split the samples come from.
+    load_factors : tuple of float
+        Load factor of every level.
+    models : tuple of ModelErrors
+        In the order of presentation, the model under test last.
+    facts : mapping of str to JSON
+        Where the numbers come from: versions, seeds, hashes, times of the solver.
+    """
+
+    split: str
+    load_factors: tuple[float, ...]
+    models: tuple[ModelErrors, ...]
+    facts: Mapping[str, Any]
+
+    def model(self, name: str) -> ModelErrors:
+        """Return the errors of one predictor; InputError names those there are."""
+        for errors in self.models:
+            if errors.name == name:
+                return errors
+        have = ", ".join(errors.name for errors in self.models)
+        raise InputError(f"the report has no model '{name}' (it has: {have})")
+
+    def write(self, path: Path) -> None:
+        """Write the numbers as JSON, whole or not at all."""
+        record = {"format": FORMAT, "version": VERSION, **asdict(self)}
+        part = path.with_name(path.name + ".part")
+        part.write_text(json.dumps(record, indent=1, allow_nan=False), "utf-8")
+        part.replace(path)
+
+    @classmethod
+    def read(cls, path: Path) -> "Report":
+        """Read what `write` wrote.
+
+        Raises
+        ------
+        InputError
+            If the file is something else or of another version.
+        """
+        try:
+            record = json.loads(path.read_text("utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(f"{path} is not a metrics file: {error}") from error
+        found = (record.pop("format", None), record.pop("version", None))
+        if found != (FORMAT, VERSION):
+            raise InputError(
+                f"{path} must be {FORMAT} version {VERSION} (got {found[0]} version "
+                f"{found[1]}); evaluate again"
+            )
+        models = tuple(_model_from_json(model) for model in record.pop("models"))
+        factors = tuple(record.pop("load_factors"))
+        return cls(load_factors=factors, models=models, **record)
+
+
+def _model_from_json(record: dict[str, Any]) -> ModelErrors:
+    def distributions(values: dict[str, Any]) -> dict[str, Distribution]:
+        return {name: Distribution(**value) for name, value in values.items()}
+
+    return ModelErrors(
+        name=record["name"],
+        by_component=distributions(record["by_component"]),
+        by_region=distributions(record["by_region"]),
+        by_level=tuple(v and Distribution(**v) for v in record["by_level"]),
+        histogram=tuple(record["histogram"]),
+        summary=SampleSummary(**record["summary"]),
+        samples=tuple(SampleError(**sample) for sample in record["samples"]),
+    )

@@ -1,0 +1,76 @@
+"""Colours, labels and themes that every figure and table of the report shares."""
+
+from dataclasses import dataclass
+from typing import Any
+
+# Mid-tones that stand out on white and on near-black, and from each other for the
+# colour-blind (after Okabe & Ito, 2008).
+MODELS = {
+    "zero": ("Zero displacement", "#8b929c"),
+    "linear": ("Linear solution", "#d9861a"),
+    "level_interpolation": ("Level interpolation", "#a760bd"),
+    "physgnn": ("PhysGNN", "#2f7fd6"),
+    "lifted": ("Lifted network", "#0f9d7e"),
+    "reduced": ("Reduced model", "#c2a500"),
+    "certified": ("Certified", "#d4477e"),
+    "finite_element": ("Finite elements", "#6b5b4b"),
+}
+SPARE_COLOURS = ("#d4477e", "#c2a500", "#5b6ee1", "#3fa7c9")
+
+BRAIN, TUMOUR, FIXED, LOADED = "#cfc7bf", "#8e44ad", "#2f7fd6", "#e4572e"
+DISPLACEMENT_MAP, ERROR_MAP = "viridis", "YlOrRd"
+
+
+@dataclass(frozen=True)
+class Theme:
+    """Ink and lines of a figure on a page of one brightness."""
+
+    name: str
+    ink: str
+    muted: str
+    grid: str
+
+    def settings(self) -> Any:
+        """Return Matplotlib's settings; the page shows through the background."""
+        return {
+            "font.family": "DejaVu Sans",
+            "font.size": 10,
+            "axes.titlesize": 11,
+            "axes.titleweight": "bold",
+            "axes.titlelocation": "left",
+            "axes.titlepad": 10,
+            "axes.facecolor": "none",
+            "figure.facecolor": "none",
+            "savefig.facecolor": "none",
+            "axes.spines.top": False,
+            "axes.spines.right": False,
+            "axes.edgecolor": self.muted,
+            "axes.labelcolor": self.ink,
+            "axes.grid": True,
+            "axes.axisbelow": True,
+            "grid.color": self.grid,
+            "grid.linewidth": 0.8,
+            "text.color": self.ink,
+            "xtick.color": self.muted,
+            "ytick.color": self.muted,
+            "xtick.labelcolor": self.ink,
+            "ytick.labelcolor": self.ink,
+            "legend.frameon": False,
+        }
+
+
+LIGHT = Theme("light", ink="#1c2127", muted="#68717d", grid="#e4e7eb")
+DARK = Theme("dark", ink="#e9ebee", muted="#9aa3ae", grid="#31373f")
+THEMES = (LIGHT, DARK)
+
+
+def label(name: str) -> str:
+    """Return a predictor's name as people read it."""
+    return MODELS[name][0] if name in MODELS else name.replace("_", " ")
+
+
+def colour(name: str) -> str:
+    """Return a predictor's colour, the same in every figure."""
+    if name in MODELS:
+        return MODELS[name][1]
+    return SPARE_COLOURS[sum(name.encode()) % len(SPARE_COLOURS)]

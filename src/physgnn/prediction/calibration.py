@@ -1,0 +1,146 @@
+"""Error estimates that keep a promised coverage, calibrated on held-out samples."""
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.dataset.store import Store
+from physgnn.errors import InputError
+from physgnn.prediction.conformal import conformal_quantile
+from physgnn.prediction.indicators import Indicator
+from physgnn.prediction.prediction import Answer, ErrorEstimate
+from physgnn.prediction.trained_range import TrainedRange
+from physgnn.progress import Progress
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+FLOOR_MM = 0.01  # added to the indicator, so that tiny loads do not set the factor
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Factors from indicator to error bound, and the loads they hold for.
+
+    Attributes
+    ----------
+    indicator : str
+        Row of `indicators.INDICATORS`.
+    coverage : float
+        Probability that a bound holds for a new load path.
+    mean_factor, max_factor : float
+        Bound on the mean (largest) error / (mean (largest) indicator + `FLOOR_MM`).
+    n_paths, n_samples : int
+        What it was calibrated on.
+    trained_range : TrainedRange
+        Loads of the training samples.
+    """
+
+    indicator: str
+    coverage: float
+    mean_factor: float
+    max_factor: float
+    n_paths: int
+    n_samples: int
+    trained_range: TrainedRange
+
+    def estimate(self, field: FloatArray) -> ErrorEstimate:
+        """Return the error bounds that follow from an indicator field."""
+        mean, largest = indicator_sizes(field)
+        return ErrorEstimate(
+            mean_mm=self.mean_factor * mean,
+            max_mm=self.max_factor * largest,
+            coverage=self.coverage,
+        )
+
+    def write(self, path: Path) -> None:
+        """Write as JSON, whole or not at all."""
+        part = path.with_name(path.name + ".part")
+        part.write_text(json.dumps(asdict(self), indent=1, allow_nan=False), "utf-8")
+        part.replace(path)
+
+    @classmethod
+    def read(cls, path: Path) -> "Calibration":
+        """Read what `write` wrote; InputError if it is something else."""
+        try:
+            record = json.loads(path.read_text("utf-8"))
+            loads = TrainedRange.from_json(record.pop("trained_range"))
+            return cls(**record, trained_range=loads)
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            raise InputError(
+                f"{path} is not a calibration ({error}): calibrate the run again"
+            ) from error
+
+
+def indicator_sizes(field: FloatArray) -> tuple[float, float]:
+    """Return mean and largest length of an indicator field, floor included, mm."""
+    length = np.linalg.norm(field, axis=-1)
+    return float(length.mean()) + FLOOR_MM, float(length.max()) + FLOOR_MM
+
+
+def calibrate(
+    answer: Answer,
+    indicator: tuple[str, Indicator],
+    store: Store,
+    samples: tuple[IntArray, IntArray],
+    *,
+    coverage: float = 0.9,
+    progress: Progress | None = None,
+) -> Calibration:
+    """Return the factors that cover the errors of samples the model was not fitted to.
+
+    Parameters
+    ----------
+    answer : callable
+        From a load case to the predicted displacement.
+    indicator : (str, callable)
+        Name and function of the indicator.
+    store : Store
+        Holds the true displacements.
+    samples : two (n, 2) integer arrays
+        Training samples, for the range of loads, and calibration samples, which must
+        be held out from training (the validation set; never the test set).
+    coverage : float
+        Wanted coverage; what few load paths cannot promise is lowered
+        (`conformal.conformal_quantile`).
+    progress : callable, optional
+        Called with (done, total, text) after every sample.
+
+    Raises
+    ------
+    InputError
+        If there are no samples to calibrate on.
+    """
+    train, held_out = samples
+    if len(train) == 0 or len(held_out) == 0:
+        raise InputError(
+            "calibration needs training and validation samples "
+            f"(got {len(train)} and {len(held_out)}): simulate more load paths"
+        )
+    name, measure = indicator
+    scores = np.empty((len(held_out), 2))
+    for i, (path, level) in enumerate(held_out.tolist()):
+        case = store.load_case(path, level)
+        predicted = answer(case)
+        error = np.linalg.norm(store.displacement(path)[level] - predicted, axis=1)
+        mean, largest = indicator_sizes(measure(case, predicted))
+        scores[i] = error.mean() / mean, error.max() / largest
+        if progress is not None:
+            progress(i + 1, len(held_out), "calibrating")
+    paths = held_out[:, 0]
+    mean_factor, reached = conformal_quantile(scores[:, 0], paths, coverage)
+    max_factor, _ = conformal_quantile(scores[:, 1], paths, coverage)
+    return Calibration(
+        indicator=name,
+        coverage=reached,
+        mean_factor=mean_factor,
+        max_factor=max_factor,
+        n_paths=len(np.unique(paths)),
+        n_samples=len(held_out),
+        trained_range=TrainedRange.from_cases(
+            store.load_case(path, level) for path, level in train.tolist()
+        ),
+    )

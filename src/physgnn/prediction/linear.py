@@ -1,0 +1,14 @@
+"""Linear elasticity, u = K₀⁻¹ f: the baseline no network may lose to."""
+
+from physgnn.learning.interface import Body
+from physgnn.mechanics.rest_state import RestState
+from physgnn.prediction.prediction import Answer
+
+
+def linear_answer(body: Body) -> Answer:
+    """Return the linear solution as a function from load case to displacement.
+
+    The factorisation of K₀ is done here, once; an answer costs one back-solve.
+    """
+    rest = RestState(body.mesh, body.materials, body.fixed)
+    return lambda case: rest.solve(case.on_points(body.mesh.n_points))

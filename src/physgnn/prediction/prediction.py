@@ -1,0 +1,102 @@
+"""What every predictor gives back: a displacement and how far to trust it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.mechanics.loads import LoadCase
+
+FloatArray = NDArray[np.float64]
+Answer = Callable[[LoadCase], FloatArray]  # to displacement (n_points, 3), mm
+
+
+class PredictionStatus(IntEnum):
+    """How a prediction ended. The text of each is its remedy."""
+
+    OK = 0
+    SOLVED = 1
+    OUTSIDE_TRAINED_RANGE = 2
+    TOLERANCE_NOT_MET = 3
+
+    @property
+    def remedy(self) -> str:
+        """One line: what happened and what to do."""
+        return _REMEDY[self]
+
+    @property
+    def usable(self) -> bool:
+        """Whether the answer may be used with its error estimate as it is."""
+        return self in (PredictionStatus.OK, PredictionStatus.SOLVED)
+
+    def __str__(self) -> str:
+        return self.name.lower().replace("_", " ")
+
+
+_REMEDY = {
+    PredictionStatus.OK: "the prediction can be used with its error estimate",
+    PredictionStatus.SOLVED: (
+        "the estimate was above the tolerance, so the finite-element solution was "
+        "computed instead: raise tolerance_mm to save its time"
+    ),
+    PredictionStatus.OUTSIDE_TRAINED_RANGE: (
+        "the load lies outside the trained range, where the error estimate promises "
+        "nothing: give tolerance_mm to have it solved"
+    ),
+    PredictionStatus.TOLERANCE_NOT_MET: (
+        "the finite-element solve did not reach this load: lower the force or refine "
+        "the mesh under it"
+    ),
+}
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Bounds on the error of one prediction, each kept with probability `coverage`.
+
+    Attributes
+    ----------
+    mean_mm, max_mm : float
+        Bound on the mean and on the largest nodal Euclidean error, mm.
+    coverage : float
+        Fraction of unseen load cases whose error lies below the bound.
+    """
+
+    mean_mm: float
+    max_mm: float
+    coverage: float
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """The answer to one load case.
+
+    Attributes
+    ----------
+    displacement : (n_points, 3) array
+        mm, world axes.
+    error_estimate_mm : ErrorEstimate or None
+        None where the predictor has not been calibrated.
+    status : PredictionStatus
+        Its `remedy` says what to do.
+    seconds : float
+        Wall-clock time of the answer, the estimate included.
+    """
+
+    displacement: FloatArray
+    error_estimate_mm: ErrorEstimate | None
+    status: PredictionStatus
+    seconds: float
+
+
+class Predict(Protocol):
+    """Anything that answers a load case: network, linear elasticity, solver."""
+
+    def __call__(
+        self, load_case: LoadCase, *, tolerance_mm: float | None = None
+    ) -> Prediction:
+        """Return the displacement under `load_case`."""
+        ...
