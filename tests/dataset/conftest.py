@@ -43,14 +43,20 @@ def made_up() -> Callable[..., Solution]:
 
 @pytest.fixture
 def new_store(block: TetMesh, tmp_path: Path) -> Callable[..., Store]:
-    """Make a store of ``n_paths`` pending paths of one node each, then more."""
+    """Make a store of ``n_paths`` pending paths of one node each."""
 
-    def make(name: str = "loads.zarr", n_paths: int = 5, node_step: int = 1) -> Store:
+    def make(
+        name: str = "loads.zarr",
+        n_paths: int = 5,
+        *,
+        node_step: int = 1,
+        force_n: float = 1e-3,
+    ) -> Store:
         top = block.point_set("loaded")
         paths = [
             LoadPath(
                 top[[(k // node_step) % len(top)]],
-                np.array([[1e-3, 0.0, -2e-3 * (1 + k)]]),
+                force_n * np.array([[1.0, 0.0, -2.0 * (1 + k)]]),
                 np.arange(1, N_LEVELS + 1) / N_LEVELS,
             )
             for k in range(n_paths)

@@ -7,6 +7,7 @@ from typing import Any
 
 from physgnn.errors import InputError
 
+TIMEOUT_SECONDS = 10
 # Two workers of two threads on two cores take longer than two of one.
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -24,7 +25,7 @@ def connect(workers: int, scheduler: str | None) -> Iterator[Any]:
 
     if scheduler is not None:
         try:
-            client = Client(scheduler, timeout=10)
+            client = Client(scheduler, timeout=TIMEOUT_SECONDS)
         except (OSError, ValueError) as error:
             raise InputError(
                 f"no Dask scheduler answers at {scheduler} ({error}); start one with "

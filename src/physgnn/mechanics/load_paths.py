@@ -68,7 +68,7 @@ def single_node_paths(
         raise InputError(f"this rule loads at most 11 nodes (got {len(nodes)})")
     normals = inward_normals(mesh, nodes)
     directions = directions[: len(nodes) * others].reshape(-1, others, 3)
-    directions = np.abs(directions) * np.sign(normals)[:, None]
+    directions = np.copysign(directions, normals[:, None])
     directions = np.concatenate([normals[:, None], directions], axis=1)
     factors = equal_levels(n_levels)
     return [
@@ -109,7 +109,7 @@ def all_node_paths(
     drawn = uniform_directions(random, len(nodes) * (n_paths - 1))
     drawn = drawn.reshape(len(nodes), n_paths - 1, 3)
     normals = inward_normals(mesh, nodes)
-    drawn[:, :, 2] = np.abs(drawn[:, :, 2]) * np.sign(normals[:, 2])[:, None]
+    drawn[:, :, 2] = np.copysign(drawn[:, :, 2], normals[:, None, 2])
     directions = np.concatenate([normals[:, None], drawn], axis=1)
     forces = total_force_n / len(nodes) * directions.transpose(1, 0, 2)
     factors = equal_levels(n_levels)
