@@ -11,7 +11,14 @@ from physgnn.learning.published import our_name
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
-    from torch_geometric.nn import GraphConv, JumpingKnowledge, SAGEConv
+    from torch_geometric.nn import (
+        GraphConv,
+        JumpingKnowledge,
+        MessagePassing,
+        SAGEConv,
+    )
+
+__all__ = ["MessagePassing", "ReferencePhysGNN", "random_pair"]
 
 
 class ReferencePhysGNN(nn.Module):

@@ -10,14 +10,15 @@ and predicting use nothing but this:
 >>> x = torch.stack([model.encode(case) for case in cases])         # (batch, n, inputs)
 >>> y = model(x, body.graph)                                        # (batch, n, 3), mm
 
-To add a network: subclass :class:`Model`, take its options as keyword arguments that
-JSON can hold, and add one row to :data:`physgnn.learning.models.MODELS`.
+To add a network: subclass :class:`Model`, take as options what JSON can hold, and add
+one row to :data:`physgnn.learning.models.MODELS`.
 
-* ``__init__(body, **options)`` makes a model of which every buffer already has its
-  final shape, because a checkpoint is read by building the model with the recorded
-  options and loading its state; ``fit`` isn't called then. What follows from the body
-  alone (a factorisation, columns of its inverse) is made here, outside ``state_dict``
-  unless it's cheaper to store than to make again.
+* ``__init__(body, *, …)`` takes its options by keyword, each with a default, and makes
+  a model of which every buffer already has its final shape, because a checkpoint is
+  read by building the model with the recorded options and loading its state; ``fit``
+  isn't called then. What follows from the body alone (a factorisation, columns of its
+  inverse) is made here, outside ``state_dict`` unless it's cheaper to store than to
+  make again.
 * ``fit(store, samples)`` fills the buffers from these samples (the training set) and
   reads the store lazily: it never holds all displacements.
 * ``encode(load_case)`` is called for one load case at a time, in float64 up to its

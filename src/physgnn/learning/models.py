@@ -3,7 +3,9 @@
 How a network plugs in is written in :mod:`physgnn.learning.interface`.
 """
 
+import inspect
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from physgnn.errors import InputError
 from physgnn.learning.interface import Body, Model
@@ -14,7 +16,7 @@ MODELS: Mapping[str, Callable[..., Model]] = {
 }
 
 
-def build_model(name: str, body: Body, **options: object) -> Model:
+def build_model(name: str, body: Body, **options: Any) -> Model:
     """Return an untrained model.
 
     Parameters
@@ -31,9 +33,28 @@ def build_model(name: str, body: Body, **options: object) -> Model:
     InputError
         If there's no such model, or the model has no such option.
     """
+    return MODELS[_checked(name)](body, **resolved_options(name, options))
+
+
+def resolved_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return all options of a model: those given, and the defaults of the others.
+
+    Raises
+    ------
+    InputError
+        If there's no such model, or the model has no such option.
+    """
+    parameters = inspect.signature(MODELS[_checked(name)]).parameters.values()
+    known = {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
+    unknown = sorted(set(options) - set(known))
+    if unknown:
+        raise InputError(
+            f"model '{name}' has no option '{unknown[0]}' (it has: {', '.join(known)})"
+        )
+    return {**known, **options}
+
+
+def _checked(name: str) -> str:
     if name not in MODELS:
         raise InputError(f"no model '{name}' (there are: {', '.join(sorted(MODELS))})")
-    try:
-        return MODELS[name](body, **options)
-    except TypeError as error:
-        raise InputError(f"model '{name}' can't take its options: {error}") from error
+    return name

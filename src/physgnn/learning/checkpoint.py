@@ -1,0 +1,130 @@
+"""A trained model on disk: weights, what they were trained on, and the mesh."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
+
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io import read_mesh, write_mesh
+from physgnn.learning.interface import Body, Model
+from physgnn.learning.models import build_model
+from physgnn.mechanics.materials.table import material_from_config, material_to_config
+
+FORMAT_VERSION = 1
+WEIGHTS, RECORD, CASE = "weights.safetensors", "run.json", "case.vtu"
+FIXED = "fixed"
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """A model and the record of how it came about.
+
+    Parameters
+    ----------
+    model : Model
+        The model, bound to its body.
+    record : mapping
+        What JSON can hold; ``record["config"]`` is the resolved training
+        configuration, ``record["training"]`` what training it cost and reached.
+    """
+
+    model: Model
+    record: Mapping[str, Any]
+
+    @property
+    def body(self) -> Body:
+        """Mesh, materials and fixed points."""
+        return self.model.body
+
+    def save(self, run: str | Path) -> None:
+        """Write the run folder; each file appears whole or not at all."""
+        run = Path(run)
+        run.mkdir(parents=True, exist_ok=True)
+        body = self.body
+        if not (run / CASE).exists():
+            mesh = body.mesh.with_point_sets(**{FIXED: body.fixed})
+            part = run / f"part-{CASE}"
+            write_mesh(part, mesh)
+            part.replace(run / CASE)
+        record = {
+            "format_version": FORMAT_VERSION,
+            "mesh_hash": body.mesh.content_hash,
+            "materials": {
+                str(region): material_to_config(material)
+                for region, material in body.materials.items()
+            },
+            **self.record,
+        }
+        part = run / f"{WEIGHTS}.part"
+        save_file({k: v.contiguous() for k, v in self.model.state_dict().items()}, part)
+        part.replace(run / WEIGHTS)
+        part = run / f"{RECORD}.part"
+        part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
+        part.replace(run / RECORD)
+
+    @classmethod
+    def load(cls, run: str | Path) -> Self:
+        """Read a run folder.
+
+        Returns
+        -------
+        Checkpoint
+            Its model in evaluation mode, on the CPU, with the weights bit for bit.
+
+        Raises
+        ------
+        InputError
+            If the folder is no finished run, of another version, or its mesh isn't
+            the one the weights were trained on.
+        """
+        run = Path(run)
+        record = _read_record(run)
+        mesh = read_mesh(run / CASE)
+        check_mesh(record, mesh, run)
+        materials = {
+            int(region): material_from_config(values)
+            for region, values in record["materials"].items()
+        }
+        body = Body(mesh, materials, mesh.point_set(FIXED))
+        config = record["config"]
+        model = build_model(config["model"], body, **config["options"])
+        try:
+            model.load_state_dict(load_file(run / WEIGHTS))
+        except (OSError, SafetensorError, RuntimeError) as error:
+            raise InputError(
+                f"{run / WEIGHTS} doesn't hold the weights that {RECORD} describes "
+                f"({str(error).splitlines()[0]}); train again"
+            ) from error
+        return cls(model.eval(), record)
+
+
+def check_mesh(record: Mapping[str, Any], mesh: TetMesh, run: Path) -> None:
+    """Raise InputError if a mesh isn't the one a run was trained on."""
+    if mesh.content_hash != record["mesh_hash"]:
+        raise InputError(
+            f"{run} was trained on another mesh ({record['mesh_hash'][:12]}…, got "
+            f"{mesh.content_hash[:12]}…): use its own {CASE}, or train on this one"
+        )
+
+
+def _read_record(run: Path) -> dict[str, Any]:
+    missing = [name for name in (RECORD, WEIGHTS, CASE) if not (run / name).is_file()]
+    if missing:
+        raise InputError(f"{run} is no finished run: it has no {', '.join(missing)}")
+    try:
+        record = json.loads((run / RECORD).read_text())
+        version = record["format_version"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{run / RECORD} is damaged: {error}") from error
+    if version != FORMAT_VERSION:
+        raise InputError(
+            f"{run} is of version {version}, this program reads {FORMAT_VERSION}: "
+            "train again"
+        )
+    return dict(record)

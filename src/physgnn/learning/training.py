@@ -1,0 +1,168 @@
+"""Training: a store and a split in, a run folder with the best weights out."""
+
+import logging
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import torch
+from lightning.pytorch import Callback, Trainer
+from lightning.pytorch.callbacks import EarlyStopping, ModelCheckpoint
+from lightning.pytorch.loggers import TensorBoardLogger
+from torch.utils.data import DataLoader
+
+from physgnn.dataset.split import Split
+from physgnn.dataset.store import Store
+from physgnn.errors import InputError
+from physgnn.learning.batches import (
+    Batch,
+    Samples,
+    training_batches,
+    validation_batches,
+)
+from physgnn.learning.budget import Budget
+from physgnn.learning.callbacks import KeepBest, MetricsFile, Report
+from physgnn.learning.checkpoint import RECORD, Checkpoint
+from physgnn.learning.interface import Body, Model
+from physgnn.learning.lightning_module import VALIDATION_LOSS, TrainingModule
+from physgnn.learning.models import build_model
+from physgnn.learning.run_record import check_same_run, new_record, with_result
+from physgnn.learning.schedules import SCHEDULES
+from physgnn.learning.training_config import TrainingConfig
+from physgnn.progress import Progress
+
+LAST = "last.ckpt"
+METRICS = "metrics.csv"
+
+
+def train(
+    store: Store,
+    split: Split,
+    config: TrainingConfig,
+    run: str | Path,
+    *,
+    progress: Progress | None = None,
+    device: str = "cpu",
+    resume: bool = False,
+) -> Checkpoint:
+    """Train a model; the weights with the lowest validation loss are kept.
+
+    Parameters
+    ----------
+    store : Store
+        The dataset, read lazily.
+    split : Split
+        Its training and validation samples are used, never its test samples.
+    config : TrainingConfig
+        How to train.
+    run : path
+        Folder for weights, record, mesh, metrics; every epoch leaves it usable.
+    progress : callable, optional
+        Told the part of the budget spent, in thousandths.
+    device : str
+        Where to compute, as Lightning names it: ``"cpu"``, ``"cuda"``, ``"auto"``.
+    resume : bool
+        Continue from the last finished epoch; to rounding, the result is that of a
+        run never interrupted.
+
+    Returns
+    -------
+    Checkpoint
+        The best model.
+
+    Raises
+    ------
+    InputError
+        If the folder holds a run already (or, to resume, none, or another), or the
+        loss becomes NaN.
+    """
+    run = Path(run)
+    record = new_record(store, split, config)
+    if resume:
+        check_same_run(run, record)
+    elif (run / RECORD).exists() or (run / LAST).exists():
+        raise InputError(f"{run} holds a run already: resume it, or name another")
+    with _quiet(), torch.random.fork_rng(devices=[]):
+        torch.manual_seed(config.seed)
+        model = build_model(config.model, Body.of(store), **config.options)
+        model.fit(store, split.train)
+        budget = Budget(config)
+        best = KeepBest(
+            lambda loss: Checkpoint(
+                model, with_result(record, loss=loss, minutes=budget.minutes)
+            ).save(run)
+        )
+        schedule = SCHEDULES[config.schedule](config, budget)
+        watchers = _watchers(run, budget, progress)
+        _trainer(run, config, [budget, best, schedule, *watchers], device).fit(
+            TrainingModule(model, config),
+            *_batches(store, split, model, config),
+            ckpt_path=run / LAST if resume else None,
+            weights_only=True,
+        )
+    result = with_result(record, loss=best.loss, minutes=budget.minutes)
+    checkpoint = Checkpoint(Checkpoint.load(run).model, result)
+    checkpoint.save(run)
+    return checkpoint
+
+
+def _batches(
+    store: Store, split: Split, model: Model, config: TrainingConfig
+) -> tuple[DataLoader[Batch], DataLoader[Batch]]:
+    train = Samples(store, split.train, model)
+    validation = Samples(store, split.validation, model)
+    return (
+        training_batches(train, config.batch_size, config.seed),
+        validation_batches(validation, config.batch_size),
+    )
+
+
+def _watchers(run: Path, budget: Budget, progress: Progress | None) -> list[Callback]:
+    file = MetricsFile(run / METRICS, budget)
+    return [file, Report(progress, budget)] if progress else [file]
+
+
+def _trainer(
+    run: Path, config: TrainingConfig, callbacks: list[Callback], device: str
+) -> Trainer:
+    last = ModelCheckpoint(
+        dirpath=run, save_top_k=0, save_last=True, enable_version_counter=False
+    )
+    patience = EarlyStopping(VALIDATION_LOSS, patience=config.early_stopping)
+    return Trainer(
+        accelerator=device,
+        devices=1,
+        max_epochs=config.max_epochs,
+        callbacks=[*callbacks, patience, last],
+        logger=TensorBoardLogger(run, name="tensorboard", version=""),
+        default_root_dir=run,
+        num_sanity_val_steps=0,
+        enable_progress_bar=False,
+        enable_model_summary=False,
+    )
+
+
+# Lightning's advice that doesn't apply: samples are made faster than they're used, the
+# run folder is meant to hold what an earlier run left, and its own calls are its own.
+_NOISE = (
+    r".*isinstance\(treespec, LeafSpec\).*",
+    ".*does not have many workers.*",
+    ".*number of training batches.*is smaller than the logging interval.*",
+    ".*Checkpoint directory.*exists and is not empty.*",
+)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep Lightning's advice and greetings from the user."""
+    logger = logging.getLogger("lightning.pytorch")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        with warnings.catch_warnings():
+            for message in _NOISE:
+                warnings.filterwarnings("ignore", message)
+            yield
+    finally:
+        logger.setLevel(level)

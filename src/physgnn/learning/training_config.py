@@ -1,0 +1,88 @@
+"""All that decides how a run is trained, checked when it's made."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from physgnn.errors import InputError
+from physgnn.learning.losses import LOSSES
+from physgnn.learning.models import MODELS
+
+SCHEDULE_NAMES = ("plateau", "cosine")
+
+
+@dataclass(frozen=True)
+class TrainingConfig:
+    """How to train; the defaults are the published values (dataset 2).
+
+    Parameters
+    ----------
+    model : str
+        A row of ``MODELS``.
+    options : mapping
+        The model's own options, such as ``{"configuration": 3, "dataset": 2}``.
+    loss : str
+        A row of ``LOSSES``.
+    batch_size : int
+        Samples a step (published: 4 on dataset 1, 8 on dataset 2).
+    learning_rate : float
+        AdamW's, at the start.
+    weight_decay : float
+        AdamW's.
+    schedule : {"plateau", "cosine"}
+        ``plateau`` (published): multiply the learning rate by ``plateau_factor`` after
+        ``plateau_patience`` epochs without improvement; ``cosine``: let it fall to
+        ``minimum_learning_rate`` over the budget, for runs too short for plateaus.
+    plateau_patience, plateau_factor, minimum_learning_rate
+        See ``schedule``.
+    early_stopping : int
+        Stop after so many epochs without improvement.
+    max_epochs : int
+        Stop after so many epochs.
+    max_minutes : float or None
+        Stop after so many minutes, those before a resume included.
+    seed : int
+        Of the weights, the order of samples, and dropout.
+
+    Raises
+    ------
+    InputError
+        If a value is unknown or out of range.
+    """
+
+    model: str = "physgnn"
+    options: Mapping[str, Any] = field(default_factory=dict)
+    loss: str = "mean_euclidean"
+    batch_size: int = 8
+    learning_rate: float = 0.005
+    weight_decay: float = 0.01
+    schedule: str = "plateau"
+    plateau_patience: int = 5
+    plateau_factor: float = 0.1
+    minimum_learning_rate: float = 1e-8
+    early_stopping: int = 15
+    max_epochs: int = 1000
+    max_minutes: float | None = None
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, choices in (
+            ("model", MODELS), ("loss", LOSSES), ("schedule", SCHEDULE_NAMES)
+        ):  # fmt: skip
+            if getattr(self, name) not in choices:
+                raise InputError(
+                    f"{name} must be one of {', '.join(choices)} "
+                    f"(got {getattr(self, name)})"
+                )
+        for name in ("batch_size", "learning_rate", "early_stopping", "max_epochs"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{name} must be > 0 (got {getattr(self, name)})")
+        for name in ("weight_decay", "plateau_patience", "minimum_learning_rate"):
+            if not getattr(self, name) >= 0:
+                raise InputError(f"{name} must be ≥ 0 (got {getattr(self, name)})")
+        if not 0 < self.plateau_factor < 1:
+            raise InputError(
+                f"plateau_factor must be in (0, 1) (got {self.plateau_factor})"
+            )
+        if self.max_minutes is not None and not self.max_minutes > 0:
+            raise InputError(f"max_minutes must be > 0 (got {self.max_minutes})")

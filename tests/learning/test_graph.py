@@ -1,0 +1,44 @@
+import numpy as np
+import torch
+
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.graph import Graph
+
+TETRAHEDRON = np.array([[0.0, 0, 0], [2, 0, 0], [0, 3, 0], [0, 0, 4]])
+
+
+def test_a_tetrahedron_has_six_edges_both_ways_weighted_by_length() -> None:
+    mesh = TetMesh(TETRAHEDRON, np.array([[0, 1, 2, 3]]), np.zeros(1))
+    graph = Graph.from_mesh(mesh)
+    lengths = np.linalg.norm(TETRAHEDRON[:, None] - TETRAHEDRON, axis=2)
+    np.fill_diagonal(lengths, np.inf)
+    np.testing.assert_allclose(graph.weighted.to_dense(), 1 / lengths, rtol=1e-6)
+    np.testing.assert_array_equal(graph.plain.to_dense(), 1 - np.eye(4))
+
+
+def test_edges_are_those_of_the_cells_once(block: TetMesh) -> None:
+    graph = Graph.from_mesh(block)
+    pairs = {
+        (int(a), int(b)) for cell in block.cells for a in cell for b in cell if a != b
+    }
+    assert {(int(a), int(b)) for a, b in graph.edge_index.T} == pairs
+    assert graph.n_edges == len(pairs)
+
+
+def test_matrices_are_symmetric(block: TetMesh) -> None:
+    dense = Graph.from_mesh(block).weighted.to_dense()
+    assert torch.equal(dense, dense.T)
+
+
+def test_a_point_of_no_cell_keeps_its_empty_row() -> None:
+    points = np.concatenate([TETRAHEDRON, [[9.0, 9, 9]]])
+    graph = Graph.from_mesh(TetMesh(points, np.array([[0, 1, 2, 3]]), np.zeros(1)))
+    assert graph.n_points == 5
+    assert graph.row_start.tolist() == [0, 3, 6, 9, 12, 12]
+
+
+def test_matrices_made_while_predicting_serve_for_training(block: TetMesh) -> None:
+    graph = Graph.from_mesh(block)
+    with torch.inference_mode():
+        matrix = graph.plain
+    assert not matrix.is_inference()
