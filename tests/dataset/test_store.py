@@ -218,3 +218,21 @@ def test_create_never_overwrites(new_store: NewStore) -> None:
     new_store()
     with pytest.raises(InputError, match="exists already"):
         new_store()
+
+
+def test_resume_opens_what_asks_the_same(new_store: NewStore) -> None:
+    store = new_store()
+    paths = [store.load_path(i) for i in range(5)]
+    asked = {"fixed": store.fixed, "provenance": {}, "materials": MATERIALS}
+    spare = {**asked, "materials": {**MATERIALS, 7: MATERIALS[0]}}
+    assert Store.resume(store.path, store.mesh, paths, **spare).path == store.path
+    stiffer = {**asked, "materials": {**MATERIALS, 1: NeoHookean(9000.0, 0.3)}}
+    for mesh, some, wrong in (
+        (store.mesh, paths[:4], asked),
+        (store.mesh, paths, stiffer),
+        (store.mesh, paths, {**asked, "fixed": store.fixed[1:]}),
+    ):
+        with pytest.raises(InputError, match="made for another mesh, load or material"):
+            Store.resume(store.path, mesh, some, **wrong)
+    other = store.path.with_name("other")
+    assert len(Store.resume(other, store.mesh, paths, **asked).pending()) == 5

@@ -16,13 +16,19 @@ from physgnn.mechanics.materials import Material
 from physgnn.mechanics.materials.table import material_to_config
 
 
-def check(
-    mesh: TetMesh,
-    paths: Sequence[LoadPath],
-    materials: Mapping[int, Material],
-    fixed: NDArray[np.int64],
-) -> None:
-    """Raise InputError if paths, materials and mesh do not fit each other."""
+def materials_of(
+    mesh: TetMesh, materials: Mapping[int, Material]
+) -> dict[int, Material]:
+    """Return the materials of the mesh's regions; InputError if one has none."""
+    regions = np.unique(mesh.region).tolist()
+    without = [region for region in regions if region not in materials]
+    if without:
+        raise InputError(f"region {without[0]} has no material: name one for it")
+    return {region: materials[region] for region in regions}
+
+
+def check(mesh: TetMesh, paths: Sequence[LoadPath], fixed: NDArray[np.int64]) -> None:
+    """Raise InputError if the paths do not fit the mesh or each other."""
     if not paths:
         raise InputError("a dataset needs one load path or more (got none)")
     for i, path in enumerate(paths):
@@ -31,9 +37,22 @@ def check(
             raise InputError(
                 f"all load paths must have the same load factors (path {i} differs)"
             )
-    without = sorted(set(np.unique(mesh.region).tolist()) - set(materials))
-    if without:
-        raise InputError(f"region {without[0]} has no material: name one for it")
+
+
+def digest(
+    mesh: TetMesh,
+    paths: Sequence[LoadPath],
+    materials: Mapping[int, Material],
+    fixed: NDArray[np.int64],
+) -> str:
+    """Return the SHA-256 of what is asked: two stores that ask the same share it."""
+    return layout.digest_of(
+        mesh.content_hash,
+        _material_records(materials),
+        np.asarray(fixed, dtype=np.int64),
+        *_padded(paths),
+        paths[0].load_factors,
+    )
 
 
 def write(
@@ -54,7 +73,8 @@ def write(
         "n_points": mesh.n_points,
         "mesh_hash": mesh.content_hash,
         "point_sets": sorted(mesh.point_sets),
-        "materials": {str(k): material_to_config(m) for k, m in materials.items()},
+        "materials": _material_records(materials),
+        "definition_hash": digest(mesh, paths, materials, fixed),
         "provenance": dict(provenance),
     }
     group.attrs.update(attributes)
@@ -74,6 +94,10 @@ def write(
     rows = layout.result_arrays(paths[0].n_levels, mesh.n_points)
     for name, (shape, dtype, fill) in rows.items():
         layout.put_rows(group, f"result/{name}", (len(paths), *shape), dtype, fill)
+
+
+def _material_records(materials: Mapping[int, Material]) -> dict[str, Any]:
+    return {str(region): material_to_config(m) for region, m in materials.items()}
 
 
 def _padded(

@@ -84,7 +84,7 @@ class Store:
         paths : sequence of LoadPath
             All with the same load factors.
         materials : mapping of region to material
-            One for every region of the mesh.
+            One for every region of the mesh; others are left out.
         fixed : (n_fixed,) integer array
             Points held at zero displacement.
         provenance : mapping
@@ -98,7 +98,8 @@ class Store:
         target = Path(path)
         if target.exists():
             raise InputError(f"{target} exists already: open it, or name another")
-        definition.check(mesh, paths, materials, fixed)
+        materials = definition.materials_of(mesh, materials)
+        definition.check(mesh, paths, fixed)
         partial = target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.partial")
         try:
             partial.parent.mkdir(parents=True, exist_ok=True)
@@ -114,6 +115,44 @@ class Store:
         finally:
             shutil.rmtree(partial, ignore_errors=True)
         return cls(target)
+
+    @classmethod
+    def resume(
+        cls,
+        path: str | os.PathLike[str],
+        mesh: TetMesh,
+        paths: Sequence[LoadPath],
+        *,
+        materials: Mapping[int, Material],
+        fixed: NDArray[np.int64],
+        provenance: Mapping[str, Any],
+    ) -> Self:
+        """Open the store if there is one that asks just this, or make it.
+
+        Parameters are those of `create`.
+
+        Raises
+        ------
+        InputError
+            If the folder holds something else, or a store that asks something else.
+        """
+        if not Path(path).exists():
+            return cls.create(
+                path,
+                mesh,
+                paths,
+                materials=materials,
+                fixed=fixed,
+                provenance=provenance,
+            )
+        store = cls(path)
+        materials = definition.materials_of(mesh, materials)
+        if store.definition_hash != definition.digest(mesh, paths, materials, fixed):
+            raise InputError(
+                f"store {path} was made for another mesh, load or material: name "
+                "another, or delete it"
+            )
+        return store
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.path,)
@@ -247,16 +286,10 @@ class Store:
         """Return (path, level) of every converged sample, path by path, (n, 2)."""
         return np.argwhere(self.status == Status.CONVERGED)
 
-    @cached_property
+    @property
     def definition_hash(self) -> str:
         """SHA-256 of mesh, materials, fixed points and load paths: what is asked."""
-        return layout.digest_of(
-            self.mesh.content_hash,
-            self._attributes["materials"],
-            self.fixed,
-            *self._loads,
-            self.load_factors,
-        )
+        return str(self._attributes["definition_hash"])
 
     def content_hash(self) -> str:
         """SHA-256 of what is asked and of all answers so far; times do not count."""
