@@ -5,8 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from physgnn.geometry.tetmesh import TetMesh
+
+# Kernels compile on first use, so a first example may take seconds.
+settings.register_profile("physgnn", deadline=None, derandomize="CI" in os.environ)
+settings.load_profile("physgnn")
 
 
 @pytest.fixture(scope="session")

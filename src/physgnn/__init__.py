@@ -1,1 +1,71 @@
-"""Real-time prediction of brain deformation."""
+"""Real-time prediction of brain deformation: FE, graph neural networks, error bars.
+
+The names a user needs are here; each is imported when first asked for, so that
+``import physgnn`` costs nothing and the mechanics run without torch.
+"""
+
+from importlib import import_module
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from physgnn.dataset import Store as Store
+    from physgnn.errors import InputError as InputError
+    from physgnn.geometry import Surface as Surface
+    from physgnn.geometry import TetMesh as TetMesh
+    from physgnn.geometry import tetrahedralize as tetrahedralize
+    from physgnn.io import read_mesh as read_mesh
+    from physgnn.io import read_surface as read_surface
+    from physgnn.io import write_mesh as write_mesh
+    from physgnn.learning import Graph as Graph
+    from physgnn.learning import PhysGNN as PhysGNN
+    from physgnn.learning import load_published as load_published
+    from physgnn.mechanics import LoadCase as LoadCase
+    from physgnn.mechanics import LoadPath as LoadPath
+    from physgnn.mechanics import NeoHookean as NeoHookean
+    from physgnn.mechanics import RestState as RestState
+    from physgnn.mechanics import Solution as Solution
+    from physgnn.mechanics import Solver as Solver
+    from physgnn.mechanics import SolverOptions as SolverOptions
+    from physgnn.mechanics import Status as Status
+    from physgnn.mechanics import solve as solve
+    from physgnn.prediction import Prediction as Prediction
+    from physgnn.prediction import Predictor as Predictor
+
+_HOME = {
+    "InputError": "errors",
+    "Surface": "geometry",
+    "TetMesh": "geometry",
+    "tetrahedralize": "geometry",
+    "read_mesh": "io",
+    "read_surface": "io",
+    "write_mesh": "io",
+    "LoadCase": "mechanics",
+    "LoadPath": "mechanics",
+    "NeoHookean": "mechanics",
+    "RestState": "mechanics",
+    "Solution": "mechanics",
+    "Solver": "mechanics",
+    "SolverOptions": "mechanics",
+    "Status": "mechanics",
+    "solve": "mechanics",
+    "Store": "dataset",
+    "Graph": "learning",
+    "PhysGNN": "learning",
+    "load_published": "learning",
+    "Prediction": "prediction",
+    "Predictor": "prediction",
+}
+
+__all__ = sorted(_HOME)
+__version__ = version("physgnn")
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'physgnn' has no attribute '{name}'")
+    return getattr(import_module(f"physgnn.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -58,6 +58,7 @@ class QuasiNewton:
 
     def __post_init__(self) -> None:
         self._pairs: list[tuple[FloatArray, FloatArray]] = []
+        self._contraction = 0.5
 
     def displacement(self, state: FloatArray) -> FloatArray:
         """Spread the free unknowns over all points, (n_points, 3)."""
@@ -66,7 +67,7 @@ class QuasiNewton:
         return u
 
     def residual(self, state: FloatArray, load: FloatArray) -> tuple[FloatArray, int]:
-        """Return load − internal force over the free unknowns, and any inverted cell."""
+        """Return load − internal force of the free unknowns, and any inverted cell."""
         self.counts["residuals"] += 1
         force, inverted = internal_force(self.elements, self.displacement(state))
         return load - force[self.pattern.free].ravel(), inverted
@@ -87,13 +88,13 @@ class QuasiNewton:
         q = residual.copy()
         weights = []
         for s, y in reversed(self._pairs):
-            weight = (s @ q) / (s @ y)
+            weight = _dot(s, q) / _dot(s, y)
             q -= weight * y
             weights.append(weight)
         self.counts["back_solves"] += 1
         d = self.solver.solve(q)
         for (s, y), weight in zip(self._pairs, reversed(weights), strict=True):
-            d += s * (weight - (y @ d) / (s @ y))
+            d += s * (weight - _dot(y, d) / _dot(s, y))
         return d
 
     def solve(self, start: FloatArray, load: FloatArray) -> Equilibrium:
@@ -140,20 +141,18 @@ class QuasiNewton:
 
     def _remember(self, s: FloatArray, y: FloatArray) -> None:
         # Only pairs of positive curvature keep the inverse positive definite.
-        if s @ y > 1e-12 * np.sqrt((s @ s) * (y @ y)):
+        if _dot(s, y) > 1e-12 * np.sqrt(_dot(s, s) * _dot(y, y)):
             self._pairs.append((s, y))
             del self._pairs[:-MAX_PAIRS]
 
     def _close_enough(self, size: float, previous: float) -> bool:
-        """Whether the error left, from the steps' contraction, meets the tolerance."""
-        if not np.isfinite(previous):
-            return size < self.tolerance_mm / 2
-        contraction = size / previous
-        if contraction >= 0.9:
-            return size < self.tolerance_mm / 4
-        # Never trust one lucky contraction with more than a factor of four.
-        left = size * max(contraction / (1 - contraction), 0.25)
-        return left < self.tolerance_mm
+        """Whether the error left, from how the steps contract, meets the tolerance."""
+        contraction = min(size / previous, 0.9)
+        # One lucky step proves little: the slower of this and the last contraction
+        # counts, whether that was seen at this load or at the one before.
+        slower = max(contraction, self._contraction, 0.4)
+        self._contraction = contraction if np.isfinite(previous) else slower
+        return 2 * size * slower / (1 - slower) < self.tolerance_mm
 
     def _worn_out(self, size: float, previous: float, since_factor: int) -> bool:
         """Whether a new factor is cheaper than going on (it costs ~20 back-solves)."""
@@ -166,4 +165,9 @@ def largest_norm(d: FloatArray) -> float:
 
 
 def _norm(r: FloatArray) -> float:
-    return float(np.linalg.norm(r))
+    return float(np.sqrt(_dot(r, r)))
+
+
+def _dot(a: FloatArray, b: FloatArray) -> float:
+    # Not a @ b: BLAS would start threads for it, and its sums depend on their number.
+    return float(np.einsum("i,i->", a, b))

@@ -36,19 +36,19 @@ MAX_CONSTANTS = 8
 
 @njit(cache=True)
 def energy(law, F, J, constants):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """Stored energy a reference volume, MPa."""
+    """Return the energy stored in a unit of reference volume, MPa."""
     return neo_hookean.energy(F, J, constants)
 
 
 @njit(cache=True)
 def stress(law, F, H, J, constants, P):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """First Piola–Kirchhoff stress P, MPa."""
+    """Fill P, the first Piola–Kirchhoff stress, MPa."""
     neo_hookean.stress(F, H, J, constants, P)
 
 
 @njit(cache=True)
 def tangent(law, F, H, J, constants, A):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """Tangent ∂P/∂F, MPa."""
+    """Fill A, the tangent ∂P/∂F, MPa."""
     neo_hookean.tangent(F, H, J, constants, A)
 
 

@@ -1,0 +1,153 @@
+"""Every law: derivatives by finite differences, objectivity, closed forms."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+
+from physgnn.errors import InputError
+from physgnn.mechanics.materials import NeoHookean, table
+from physgnn.mechanics.materials.table import (
+    LAW_INDEX,
+    material_from_config,
+    material_to_config,
+)
+
+MATERIALS = [NeoHookean(3000.0, 0.49), NeoHookean(7500.0, 0.3)]
+
+
+def energy(material, F):
+    law = LAW_INDEX[material.law]
+    return table.energy(law, F, np.linalg.det(F), material.constants)
+
+
+def stress(material, F):
+    P = np.empty((3, 3))
+    H = np.linalg.inv(F).T
+    law = LAW_INDEX[material.law]
+    table.stress(law, F, H, np.linalg.det(F), material.constants, P)
+    return P
+
+
+def tangent(material, F):
+    A = np.empty((3, 3, 3, 3))
+    H = np.linalg.inv(F).T
+    law = LAW_INDEX[material.law]
+    table.tangent(law, F, H, np.linalg.det(F), material.constants, A)
+    return A
+
+
+def deformation(seed: int, size: float = 0.3) -> np.ndarray:
+    """A random F with det F well above zero."""
+    rng = np.random.default_rng(seed)
+    while True:
+        F = np.eye(3) + size * rng.uniform(-1, 1, (3, 3))
+        if np.linalg.det(F) > 0.3:
+            return F
+
+
+def central_difference(function, F, h=1e-6):
+    """∂ function / ∂F, the components of F last."""
+    steps = np.eye(9).reshape(9, 3, 3) * h
+    columns = [(function(F + s) - function(F - s)) / (2 * h) for s in steps]
+    return np.moveaxis(np.array(columns), 0, -1).reshape(*np.shape(columns[0]), 3, 3)
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+@given(seed=st.integers(0, 10_000))
+def test_stress_is_the_derivative_of_energy(material, seed):
+    F = deformation(seed)
+    expected = central_difference(lambda G: energy(material, G), F)
+    scale = np.abs(expected).max() + material.constants.max()
+    np.testing.assert_allclose(stress(material, F), expected, atol=1e-7 * scale)
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+@given(seed=st.integers(0, 10_000))
+def test_tangent_is_the_derivative_of_stress(material, seed):
+    F = deformation(seed)
+    expected = central_difference(lambda G: stress(material, G), F)
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(tangent(material, F), expected, atol=1e-7 * scale)
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+@given(seed=st.integers(0, 10_000))
+def test_objectivity_and_isotropy(material, seed):
+    F = deformation(seed)
+    Q = Rotation.random(random_state=seed).as_matrix()
+    P = stress(material, F)
+    scale = np.abs(P).max() + 1e-12
+    assert energy(material, Q @ F) == pytest.approx(energy(material, F), rel=1e-9)
+    np.testing.assert_allclose(stress(material, Q @ F), Q @ P, atol=1e-10 * scale)
+    np.testing.assert_allclose(stress(material, F @ Q.T), P @ Q.T, atol=1e-10 * scale)
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_the_rest_state_is_free_of_stress_and_energy(material):
+    F = np.eye(3)
+    assert energy(material, F) == 0.0
+    np.testing.assert_array_equal(stress(material, F), np.zeros((3, 3)))
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_the_rest_state_is_linear_elasticity(material):
+    mu, lam = material.mu, material.lam
+    delta = np.eye(3)
+    expected = (
+        lam * np.einsum("ij,kl->ijkl", delta, delta)
+        + mu * np.einsum("ik,jl->ijkl", delta, delta)
+        + mu * np.einsum("il,jk->ijkl", delta, delta)
+    )
+    np.testing.assert_allclose(tangent(material, np.eye(3)), expected, rtol=1e-12)
+
+
+@given(stretch=st.floats(0.5, 2.0))
+def test_neo_hookean_uniaxial_stress_in_closed_form(stretch):
+    """Sides free: their stretch t solves μ (t² − 1) + λ ln J = 0, J = s t²."""
+    material = NeoHookean(3000.0, 0.45)
+    mu, lam = material.mu, material.lam
+
+    def side_stress(t):
+        return mu * (t**2 - 1) + lam * np.log(stretch * t**2)
+
+    t = brentq(side_stress, 0.1, 5.0, xtol=1e-14)
+    P = stress(material, np.diag([stretch, t, t]))
+    axial = (mu * (stretch**2 - 1) + lam * np.log(stretch * t**2)) / stretch
+    np.testing.assert_allclose(P, np.diag([axial, 0, 0]), atol=1e-12)
+
+
+@given(shear=st.floats(-1.5, 1.5))
+def test_neo_hookean_simple_shear_in_closed_form(shear):
+    """J = 1, so the Cauchy stress is μ (F Fᵀ − I): σ₁₂ = μ γ, σ₁₁ = μ γ²."""
+    material = NeoHookean(3000.0, 0.45)
+    F = np.eye(3)
+    F[0, 1] = shear
+    cauchy = stress(material, F) @ F.T
+    expected = material.mu * (F @ F.T - np.eye(3))
+    np.testing.assert_allclose(cauchy, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_config_round_trip(material):
+    assert material_from_config(material_to_config(material)) == material
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"law": "jelly"}, "unknown material law 'jelly'"),
+        ({"youngs_modulus_pa": 3000.0}, "takes youngs_modulus_pa, poissons_ratio"),
+        (
+            {"youngs_modulus_pa": 3000.0, "poissons_ratio": 0.4, "colour": 1},
+            "got youngs_modulus_pa, poissons_ratio, colour",
+        ),
+        ({"youngs_modulus_pa": -1.0, "poissons_ratio": 0.4}, "must be > 0"),
+        ({"youngs_modulus_pa": 3000.0, "poissons_ratio": 0.5}, "poissons_ratio"),
+    ],
+)
+def test_a_wrong_material_is_refused(values, message):
+    with pytest.raises(InputError, match=message):
+        material_from_config(values)
