@@ -9,7 +9,7 @@ from matplotlib.ticker import FuncFormatter
 
 from physgnn.evaluation.distribution import BIN_EDGES_MM
 from physgnn.evaluation.result import ModelErrors, Report
-from physgnn.evaluation.style import colour, label
+from physgnn.evaluation.style import DISPLACEMENT_MAP, colour, label
 
 SMALLEST_SHOWN_MM = 1e-4
 MERGED_BINS = 48  # histogram bins drawn as one: 0.25 % each gives 13 % a step
@@ -108,7 +108,7 @@ def histogram_chart(report: Report) -> Figure:
         ylabel="nodes, %",
     )
     axes.xaxis.set_major_formatter(FuncFormatter(_millimetres))
-    axes.legend(loc="upper left")
+    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=len(report.models))
     return figure
 
 
@@ -122,7 +122,7 @@ def estimate_chart(model: ModelErrors) -> Figure:
         pairs = [(getattr(s, true), getattr(s, bound)) for s in model.samples]
         x, y = np.array([pair for pair in pairs if pair[1] is not None]).T
         shade = [s.load_factor for s in model.samples if s.estimate_mean is not None]
-        dots = axes.scatter(x, y, c=shade, cmap="viridis", s=14, vmin=0, vmax=1)
+        dots = axes.scatter(x, y, c=shade, cmap=DISPLACEMENT_MAP, s=14, vmin=0, vmax=1)
         ends = [0.8 * min(x.min(), y.min()), 1.25 * max(x.max(), y.max())]
         axes.plot(ends, ends, color=axes.xaxis.label.get_color(), linewidth=1)
         held = 100 * np.mean(x <= y)

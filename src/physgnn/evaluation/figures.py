@@ -8,7 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -171,7 +171,7 @@ def _draw_worst(
     def render(
         displacement: FloatArray,
         values: FloatArray,
-        colours: str,
+        colours: Colormap,
         ends: tuple[float, float],
     ) -> Image:
         return scenes.render_surface(
@@ -217,15 +217,15 @@ def _panels(
 def _cropped(images: Iterable[Image]) -> list[Image]:
     """Cut the margins that are empty in every image, so that all keep one scale."""
     stack = np.stack(list(images))
-    drawn = (stack[..., 3] > 0).any(axis=0)
-    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
+    drawn = np.any(stack[..., 3] > 0, axis=0)
+    rows, columns = (np.flatnonzero(np.any(drawn, axis=i)) for i in (1, 0))
     return list(stack[:, rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
 
 
 def _colour_bar(
     figure: Figure,
     axes: list[Axes],
-    colours: str,
+    colours: Colormap,
     limits: tuple[float, float],
     text: str,
 ) -> None:

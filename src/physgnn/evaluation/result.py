@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -82,6 +82,10 @@ class Report:
                 return errors
         have = ", ".join(errors.name for errors in self.models)
         raise InputError(f"the report has no model '{name}' (it has: {have})")
+
+    def with_facts(self, **facts: Any) -> "Report":
+        """Return the same report with these facts added."""
+        return replace(self, facts={**self.facts, **facts})
 
     def write(self, path: Path) -> None:
         """Write the numbers as JSON, whole or not at all."""

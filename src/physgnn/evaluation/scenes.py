@@ -132,7 +132,8 @@ def grid(
 
 
 def _plotter() -> pv.Plotter:
-    plotter = pv.Plotter(off_screen=True, window_size=list(SIZE))
+    with pv.vtk_verbosity("off"):  # VTK would warn that there is no X server
+        plotter = pv.Plotter(off_screen=True, window_size=list(SIZE))
     plotter.enable_anti_aliasing("ssaa")
     return plotter
 
@@ -204,8 +205,6 @@ def _shot(
     plotter.camera.up = up
     plotter.camera.parallel_scale = 0.36 * _diameter(mesh)
     plotter.renderer.ResetCameraClippingRange()
-    image: Image = plotter.screenshot(
-        None, transparent_background=True, return_img=True
-    )
+    shot = plotter.screenshot(None, transparent_background=True, return_img=True)
     plotter.close()
-    return image
+    return np.asarray(shot, dtype=np.uint8)

@@ -3,6 +3,10 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import ListedColormap
+
 # Mid-tones that stand out on white and on near-black, and from each other for the
 # colour-blind (after Okabe & Ito, 2008).
 MODELS = {
@@ -18,7 +22,9 @@ MODELS = {
 SPARE_COLOURS = ("#d4477e", "#c2a500", "#5b6ee1", "#3fa7c9")
 
 BRAIN, TUMOUR, FIXED, LOADED = "#cfc7bf", "#8e44ad", "#2f7fd6", "#e4572e"
-DISPLACEMENT_MAP, ERROR_MAP = "viridis", "YlOrRd"
+# Viridis without its darkest part, which would sink into a dark page.
+DISPLACEMENT_MAP = ListedColormap(colormaps["viridis"](np.linspace(0.2, 1.0, 256)))
+ERROR_MAP = colormaps["YlOrRd"]
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from physgnn.evaluation.distribution import Distribution
 from physgnn.evaluation.metrics import COMPONENTS, LOADED_REGION_MM
-from physgnn.evaluation.published import PUBLISHED, PublishedErrors
+from physgnn.evaluation.published import PUBLISHED
 from physgnn.evaluation.result import ModelErrors, Report
 from physgnn.evaluation.style import label
 
-NONE = "–"
+NONE = "—"
+PUBLISHED_ROW = "Published test set"
 LEVELS_SHOWN = 6
 
 
@@ -56,9 +58,7 @@ def accuracy_table(report: Report) -> Table:
         "95 %": lambda m: mm(m.euclidean.percentile_95),
         "99 %": lambda m: mm(m.euclidean.percentile_99),
         "largest": lambda m: mm(m.euclidean.largest),
-        "largest, per sample": lambda m: spread(
-            m.summary.largest_error_mean, m.summary.largest_error_std
-        ),
+        "largest, per sample": lambda m: mm(m.summary.largest_error_mean),
         "≤ 1 mm": lambda m: percent(m.euclidean.within_1mm),
         "relative": lambda m: percent(m.summary.relative_mean),
         "relative, pooled": lambda m: percent(m.summary.relative_pooled),
@@ -74,35 +74,25 @@ def accuracy_table(report: Report) -> Table:
             for m in report.models
         ),
         "Euclidean distance between predicted and true displacement over all nodes "
-        "and samples. Largest per sample: mean ± standard deviation over samples. "
-        "Relative: mean over samples of ‖u − û‖ / ‖u‖; pooled: mean error over mean "
+        "and samples. Largest per sample: mean over samples. Relative: mean over "
+        "samples of ‖u - û‖ / ‖u‖; pooled: mean error over mean "
         f"displacement. Loaded region: points within {LOADED_REGION_MM:g} mm of a "
         "loaded point. Time: median of a prediction.",
     )
 
 
 def protocol_table(report: Report, preset: str = "") -> Table:
-    """Return the columns of the publication, its own figures in the last row."""
+    """Return the means and shares of the publication, its own in the last row."""
     rows = [
-        (
-            label(model.name),
-            *(
-                spread(model.by_component[name].mean, model.by_component[name].std)
-                for name in COMPONENTS[:4]
-            ),
-            percent(model.euclidean.within_1mm),
-            spread(
-                model.by_component["position"].mean, model.by_component["position"].std
-            ),
-            percent(model.by_component["position"].within_1mm),
-            " ".join(mm(model.by_component[name].median) for name in COMPONENTS),
-        )
-        for model in report.models
+        _protocol_row(model.by_component, label(model.name)) for model in report.models
     ]
     if preset in PUBLISHED:
-        rows.append(_published_row(PUBLISHED[preset]))
+        published = PUBLISHED[preset]
+        errors = [spread(*getattr(published, name)) for name in COMPONENTS]
+        errors.insert(4, percent(published.within_1mm))
+        rows.append((PUBLISHED_ROW, *errors, percent(published.position_within_1mm)))
     return Table(
-        "Columns of the publication, mm",
+        "Errors as published, mm",
         (
             "",
             "MAE x",
@@ -112,7 +102,6 @@ def protocol_table(report: Report, preset: str = "") -> Table:
             "≤ 1 mm",
             "mean abs. position",
             "≤ 1 mm",
-            "medians: x, y, z, Euclidean, position",
         ),
         tuple(rows),
         "± is the standard deviation over nodes and samples. Absolute position error: "
@@ -122,26 +111,23 @@ def protocol_table(report: Report, preset: str = "") -> Table:
     )
 
 
-def _published_row(published: PublishedErrors) -> tuple[str, ...]:
-    pairs = (published.x, published.y, published.z, published.euclidean)
-    return (
-        "Published test set",
-        *(spread(*pair) for pair in pairs),
-        percent(published.within_1mm),
-        spread(*published.position),
-        percent(published.position_within_1mm),
-        " ".join(mm(median) for median in published.medians),
-    )
+def _protocol_row(errors: Mapping[str, Distribution], name: str) -> tuple[str, ...]:
+    cells = [spread(errors[c].mean, errors[c].std) for c in COMPONENTS]
+    cells.insert(4, percent(errors["euclidean"].within_1mm))
+    return (name, *cells, percent(errors["position"].within_1mm))
 
 
 def extremes_table(report: Report, preset: str = "") -> Table:
-    """Return the largest displacements and errors, as the publication has them."""
-    first = report.models[0].summary
+    """Return the medians and the largest errors of the publication."""
     rows = [
         (
             label(model.name),
-            mm(first.largest_displacement),
-            spread(first.largest_displacement_mean, first.largest_displacement_std),
+            *(mm(model.by_component[name].median) for name in COMPONENTS),
+            mm(model.summary.largest_displacement),
+            spread(
+                model.summary.largest_displacement_mean,
+                model.summary.largest_displacement_std,
+            ),
             spread(model.summary.largest_error_mean, model.summary.largest_error_std),
         )
         for model in report.models
@@ -150,23 +136,29 @@ def extremes_table(report: Report, preset: str = "") -> Table:
         published = PUBLISHED[preset]
         rows.append(
             (
-                "Published test set",
+                PUBLISHED_ROW,
+                *(mm(median) for median in published.medians),
                 mm(published.largest_displacement),
                 spread(*published.largest_displacement_per_sample),
                 spread(*published.largest_error_per_sample),
             )
         )
     return Table(
-        "Largest displacement and largest error, mm",
+        "Medians and extremes as published, mm",
         (
             "",
-            "largest true displacement",
-            "largest true displacement, per sample",
+            "median x",
+            "median y",
+            "median z",
+            "median Euclidean",
+            "median position",
+            "largest displacement",
+            "largest displacement, per sample",
             "largest error, per sample",
         ),
         tuple(rows),
-        "Per sample: mean ± standard deviation over samples of the largest of a "
-        "sample's nodes.",
+        "Largest displacement is that of the true solution. Per sample: mean ± "
+        "standard deviation over samples of the largest of a sample's nodes.",
     )
 
 
@@ -201,7 +193,7 @@ def spread(mean: float, std: float) -> str:
 
 def percent(share: float) -> str:
     """Return a share as per cent, its distance from 100 % kept in sight."""
-    decimals = 2 if share > 0.99 else 1
+    decimals = 2 if 0.99 < share < 1 else 1
     return f"{100 * share:.{decimals}f} %"
 
 

@@ -1,1 +1,22 @@
 """Predictors: a load case in, a displacement with its error estimate out."""
+
+from physgnn.prediction.finite_element import FiniteElementPredictor
+from physgnn.prediction.linear import linear_answer
+from physgnn.prediction.prediction import (
+    ErrorEstimate,
+    Predict,
+    Prediction,
+    PredictionStatus,
+)
+from physgnn.prediction.predictor import Predictor, calibrate_run
+
+__all__ = [
+    "ErrorEstimate",
+    "FiniteElementPredictor",
+    "Predict",
+    "Prediction",
+    "PredictionStatus",
+    "Predictor",
+    "calibrate_run",
+    "linear_answer",
+]

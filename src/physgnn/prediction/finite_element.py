@@ -31,8 +31,9 @@ class FiniteElementPredictor:
     ) -> Prediction:
         """Return the finite-element solution, whatever the tolerance.
 
-        Its error estimate is the solver's own tolerance. Where the solve stops short, the status is TOLERANCE_NOT_MET and the
-        displacement that of the last level in equilibrium.
+        Its error estimate is the solver's own tolerance. Where the solve stops short,
+        the status is TOLERANCE_NOT_MET and the displacement that of the last level in
+        equilibrium.
         """
         del tolerance_mm
         start = time.perf_counter()

@@ -1,0 +1,63 @@
+"""Calibrated bounds cover errors, and survive being written down."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from physgnn.dataset.store import Store
+from physgnn.errors import InputError
+from physgnn.learning.interface import Body
+from physgnn.prediction.calibration import Calibration, calibrate
+from physgnn.prediction.indicators import INDICATORS
+from physgnn.prediction.linear import linear_answer
+
+
+@pytest.fixture(scope="module")
+def calibration(store: Store, body: Body, parts: tuple) -> Calibration:
+    indicator = INDICATORS["displacement"](body)
+    return calibrate(linear_answer(body), ("displacement", indicator), store, parts[:2])
+
+
+def test_bounds_cover_what_they_were_calibrated_on(
+    store: Store, body: Body, parts: tuple, calibration: Calibration
+) -> None:
+    """Four paths cannot promise 90 %, so the bound is the largest score seen."""
+    assert calibration.coverage == pytest.approx(4 / 5)
+    assert (calibration.n_paths, calibration.n_samples) == (4, 12)
+    answer, indicator = linear_answer(body), INDICATORS["displacement"](body)
+    for path, level in parts[1]:
+        case = store.load_case(path, level)
+        predicted = answer(case)
+        error = np.linalg.norm(store.displacement(path)[level] - predicted, axis=1)
+        estimate = calibration.estimate(indicator(case, predicted))
+        assert error.mean() <= estimate.mean_mm * (1 + 1e-9)
+        assert error.max() <= estimate.max_mm * (1 + 1e-9)
+
+
+def test_correction_indicates_nothing_for_the_linear_solution(
+    store: Store, body: Body
+) -> None:
+    case = store.load_case(0, 2)
+    correction = INDICATORS["correction"](body)(case, linear_answer(body)(case))
+    assert np.abs(correction).max() < 1e-9
+
+
+def test_json_round_trip(calibration: Calibration, tmp_path: Path) -> None:
+    calibration.write(tmp_path / "calibration.json")
+    assert Calibration.read(tmp_path / "calibration.json") == calibration
+    assert [p.name for p in tmp_path.iterdir()] == ["calibration.json"]
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"trained_range": {}}'])
+def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
+    (tmp_path / "calibration.json").write_text(text)
+    with pytest.raises(InputError, match="is not a calibration"):
+        Calibration.read(tmp_path / "calibration.json")
+
+
+def test_calibration_needs_samples(store: Store, body: Body, parts: tuple) -> None:
+    nothing = np.empty((0, 2), dtype=np.int64)
+    indicator = ("displacement", INDICATORS["displacement"](body))
+    with pytest.raises(InputError, match="validation samples"):
+        calibrate(linear_answer(body), indicator, store, (parts[0], nothing))
