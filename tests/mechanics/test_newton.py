@@ -1,0 +1,42 @@
+"""The yardstick itself: quadratic, exact, and honest where there is nothing."""
+
+import numpy as np
+import pytest
+
+from physgnn.mechanics import LoadCase, LoadPath, NeoHookean, solve
+from physgnn.mechanics.element import internal_force, make_elements
+from physgnn.mechanics.newton import Newton
+
+MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
+
+
+@pytest.fixture(scope="module")
+def case(block):
+    nodes = block.point_set("loaded")
+    return LoadCase(nodes, np.tile([2e-3, 1e-3, 5e-3], (len(nodes), 1)))
+
+
+def test_newton_reaches_equilibrium_to_rounding(block, case):
+    u = Newton(block, MATERIALS).solve(case, np.zeros_like(block.points))
+    force, _ = internal_force(make_elements(block, MATERIALS), u)
+    load = case.on_points(block.n_points)
+    free = np.setdiff1d(np.arange(block.n_points), block.point_set("fixed"))
+    np.testing.assert_allclose(force[free], load[free], atol=1e-14)
+
+
+def test_distance_finds_a_planted_error_and_clears_the_path_solver(block, case):
+    newton = Newton(block, MATERIALS)
+    path = LoadPath(case.nodes, case.forces, np.array([0.5, 1.0]))
+    u = solve(block, path, materials=MATERIALS).displacement[-1]
+    assert newton.distance(case, u) < 1e-4
+    wrong = u.copy()
+    wrong[case.nodes[0]] += [0.0, 0.0, 0.05]
+    assert newton.distance(case, wrong) == pytest.approx(0.05, rel=1e-2)
+
+
+def test_no_equilibrium_is_an_infinite_distance(block):
+    node = block.point_set("loaded")[5]
+    case = LoadCase(np.array([node]), np.array([[0.0, 0.0, -5.0]]))
+    assert Newton(block, MATERIALS).distance(case, np.zeros_like(block.points)) == (
+        np.inf
+    )
