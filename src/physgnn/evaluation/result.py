@@ -104,8 +104,8 @@ class Report:
             If the file is something else or of another version.
         """
         try:
-            record = json.loads(path.read_text("utf-8"))
-        except (OSError, ValueError) as error:
+            record = dict(json.loads(path.read_text("utf-8")))
+        except (OSError, ValueError, TypeError) as error:
             raise InputError(f"{path} is not a metrics file: {error}") from error
         found = (record.pop("format", None), record.pop("version", None))
         if found != (FORMAT, VERSION):

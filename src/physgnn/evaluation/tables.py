@@ -182,6 +182,8 @@ def mm(value: float) -> str:
     """Return millimetres to three significant digits, at most four decimals."""
     if value == 0 or value >= 100:
         return f"{value:.0f}"
+    if value < 5e-5:
+        return "< 0.0001"
     decimals = int(np.clip(2 - np.floor(np.log10(abs(value))), 0, 4))
     return f"{value:.{decimals}f}"
 

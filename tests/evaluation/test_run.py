@@ -1,0 +1,108 @@
+"""A run is evaluated on what it has not seen, into one self-contained report."""
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from physgnn.dataset.split import split_path, split_published
+from physgnn.dataset.store import Store
+from physgnn.errors import InputError
+from physgnn.evaluation.result import Report
+from physgnn.evaluation.run import evaluate_run
+from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.interface import Body
+from physgnn.learning.models import build_model
+from physgnn.learning.run_record import new_record
+from physgnn.learning.training_config import TrainingConfig
+from physgnn.prediction.predictor import calibrate_run
+
+VOID = {"meta", "img", "source", "br", "hr", "link"}
+
+
+class Tags(HTMLParser):
+    """Collects tags and checks that each is closed by its own end."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.seen: list[tuple[str, dict[str, str | None]]] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.seen.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+@pytest.fixture(scope="module")
+def run(store: Store, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An untrained network in a run folder, calibrated."""
+    folder = tmp_path_factory.mktemp("run")
+    split, config = split_path(store), TrainingConfig(options={"width": 8})
+    model = build_model(config.model, Body.of(store), **config.options)
+    model.fit(store, split.train)
+    Checkpoint(model, new_record(store, split, config)).save(folder)
+    calibrate_run(folder, store, split)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def report(run: Path, store: Store) -> Report:
+    return evaluate_run(run, store.path, command="physgnn evaluate <run> & more")
+
+
+@pytest.fixture(scope="module")
+def page(run: Path, report: Report) -> str:
+    assert report.split == "path"
+    return (run / "evaluation-path" / "report.html").read_text("utf-8")
+
+
+def test_what_it_writes(run: Path, report: Report, page: str) -> None:
+    folder = run / "evaluation-path"
+    assert Report.read(folder / "metrics.json") == report
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"metrics.json", "report.html", "figures"}
+    assert len(list((folder / "figures").glob("*.png"))) == 2 * page.count("<figure>")
+
+
+def test_page_needs_nothing_else(page: str) -> None:
+    text = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", page)
+    assert not re.search(r"https?:|//[a-z]|<script|<link|@import|url\(", text)
+    tags = Tags()
+    tags.feed(page)
+    assert tags.open == []
+    sources = [a.get("src") or a.get("srcset") for _, a in tags.seen]
+    used = [source for source in sources if source]
+    assert len(used) >= 10
+    assert all(source.startswith("data:image/png;base64,") for source in used)
+
+
+def test_page_is_accessible(page: str) -> None:
+    tags = Tags()
+    tags.feed(page)
+    assert ("html", {"lang": "en"}) in tags.seen
+    assert all(attrs.get("alt") for tag, attrs in tags.seen if tag == "img")
+    assert all(attrs.get("scope") for tag, attrs in tags.seen if tag == "th")
+    assert [tag for tag, _ in tags.seen].count("h1") == 1
+
+
+def test_page_says_what_the_report_says(page: str, report: Report) -> None:
+    assert report.models[-1].name == "physgnn"
+    assert "Published test set" in page
+    assert "Whole load paths are held out" in page
+    assert "physgnn evaluate &lt;run&gt; &amp; more" in page
+    assert page.count("PhysGNN</th>") == 4
+
+
+def test_samples_of_the_training_set_are_refused(run: Path, store: Store) -> None:
+    with pytest.raises(InputError, match="trained with split 'path', on"):
+        evaluate_run(run, store.path, split_published(store))
+
+
+def test_unknown_split_names_those_there_are(run: Path, store: Store) -> None:
+    with pytest.raises(InputError, match="node, path, published"):
+        evaluate_run(run, store.path, "random")
