@@ -1,0 +1,258 @@
+"""The commands. Every one has a Python function behind it with the same arguments."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from physgnn import stages
+from physgnn.cli.console import progress, say, working
+from physgnn.errors import InputError
+
+app = typer.Typer(
+    help="Real-time prediction of brain deformation: mesh, finite elements, networks.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+Out = Annotated[Path, typer.Option("--out", "-o", help="Where the result goes.")]
+Run = Annotated[Path, typer.Argument(help="Folder of a trained model.")]
+
+
+def main() -> None:
+    """Run the command line; wrong input is one line on standard error and exit 2."""
+    try:
+        app()
+    except InputError as error:
+        say(f"physgnn: {error}")
+        sys.exit(2)
+    except OSError as error:
+        say(f"physgnn: {error.strerror or error}: {error.filename or ''}".rstrip(": "))
+        sys.exit(2)
+
+
+@app.command()
+def mesh(
+    out: Out,
+    brain: Annotated[
+        Path | None, typer.Option(help="Surface: STL, PLY, OBJ or VTP, in mm.")
+    ] = None,
+    tumour: Annotated[
+        list[Path] | None, typer.Option(help="Surface inside the brain; repeatable.")
+    ] = None,
+    mni152: Annotated[
+        bool, typer.Option("--mni152", help="Use the bundled brain and tumour.")
+    ] = False,
+    sets: Annotated[
+        Path | None, typer.Option(help="TOML with [point_sets.<name>] tables.")
+    ] = None,
+    max_volume_mm3: Annotated[
+        float | None, typer.Option(help="Largest cell; by default the published rule.")
+    ] = None,
+    target_points: Annotated[
+        int | None, typer.Option(help="About how many points the mesh shall have.")
+    ] = None,
+    quality_floor: Annotated[
+        float | None, typer.Option(help="Smallest mean ratio a cell may have.")
+    ] = None,
+) -> None:
+    """Fill surfaces with tetrahedra and name point sets."""
+    from physgnn.config import read_point_sets
+    from physgnn.geometry import mni152_phantom
+    from physgnn.io import read_surface, write_mesh
+
+    if mni152 == (brain is not None):
+        raise InputError("give --brain, or --mni152 for the bundled case")
+    rules = {} if sets is None else read_point_sets(sets)
+    with working("meshing"):
+        if brain is None:
+            phantom = mni152_phantom()
+            surfaces = [phantom.brain, *phantom.tumours]
+        else:
+            surfaces = [read_surface(path) for path in (brain, *(tumour or []))]
+        made = stages.mesh_surfaces(
+            surfaces[0],
+            surfaces[1:],
+            rules=rules,
+            quality_floor=quality_floor,
+            log=say,
+            max_volume_mm3=max_volume_mm3,
+            target_points=target_points,
+        )
+    write_mesh(out, made)
+    print(f"{out}: {made.n_points} points, {made.n_cells} cells")
+
+
+@app.command()
+def simulate(
+    case: Annotated[Path, typer.Argument(help="Mesh, VTU.")],
+    out: Out,
+    preset: Annotated[
+        str | None, typer.Option(help="paper-1, paper-2 or demo.")
+    ] = None,
+    loads: Annotated[
+        Path | None, typer.Option(help="TOML with point sets, materials and loads.")
+    ] = None,
+    workers: Annotated[
+        int, typer.Option(help="Processes on this machine.")
+    ] = os.cpu_count() or 1,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Dask scheduler, tcp://…, instead of workers.")
+    ] = None,
+) -> None:
+    """Solve load paths by finite elements; call again to resume."""
+    from physgnn.config import read_preset
+    from physgnn.io import read_mesh
+
+    if (preset is None) == (loads is None):
+        raise InputError("give --preset or --loads")
+    chosen: Any = preset if loads is None else read_preset(loads)
+    body = read_mesh(case)
+    with progress("simulating") as move:
+        store, did = stages.simulate(
+            body,
+            chosen,
+            out,
+            workers=workers,
+            scheduler=scheduler,
+            source={"mesh": str(case), "command": stages.command_line()},
+            progress=move,
+        )
+    converged = len(store.samples())
+    print(
+        f"{out}: {did.solved} load paths solved now, {len(store.pending())} pending; "
+        f"{converged} of {store.n_paths * store.n_levels} levels converged"
+    )
+    for path, error in list(did.errors.items())[:3]:
+        say(f"load path {path}: {error}")
+    if did.errors:
+        raise typer.Exit(1)
+
+
+@app.command()
+def train(
+    store: Annotated[Path, typer.Argument(help="Dataset made by simulate.")],
+    out: Out,
+    config: Annotated[
+        Path | None, typer.Option(help="TOML with training settings.")
+    ] = None,
+    model: Annotated[str | None, typer.Option(help="physgnn or lifted.")] = None,
+    configuration: Annotated[
+        int | None, typer.Option(help="1 to 12, of the published network.")
+    ] = None,
+    split: Annotated[str, typer.Option(help="path, node or published.")] = "path",
+    loss: Annotated[str | None, typer.Option(help="Loss.")] = None,
+    batch_size: Annotated[int | None, typer.Option(help="Samples a step.")] = None,
+    learning_rate: Annotated[float | None, typer.Option(help="At the start.")] = None,
+    max_epochs: Annotated[int | None, typer.Option(help="Stop after so many.")] = None,
+    max_minutes: Annotated[
+        float | None, typer.Option(help="Stop after so many minutes.")
+    ] = None,
+    seed: Annotated[int | None, typer.Option(help="Of weights and order.")] = None,
+    device: Annotated[str, typer.Option(help="cpu, cuda or auto.")] = "cpu",
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue an interrupted run.")
+    ] = False,
+) -> None:
+    """Train a network on a dataset; the best weights are kept."""
+    from physgnn.config import read_training
+
+    with working("loading"):
+        settings = read_training(
+            config,
+            model=model,
+            loss=loss,
+            batch_size=batch_size,
+            learning_rate=learning_rate,
+            max_epochs=max_epochs,
+            max_minutes=max_minutes,
+            seed=seed,
+            options={} if configuration is None else {"configuration": configuration},
+        )
+    with progress("training") as move:
+        checkpoint = stages.train(
+            store, split, settings, out, progress=move, device=device, resume=resume
+        )
+    result = checkpoint.record["training"]
+    print(
+        f"{out}: validation loss {result['best_validation_loss']:.4g} after "
+        f"{result['minutes']:.1f} minutes"
+    )
+
+
+@app.command()
+def evaluate(
+    run: Run,
+    split: Annotated[str, typer.Option(help="path, node or published.")] = "path",
+    store: Annotated[
+        Path | None, typer.Option(help="Dataset; by default the one trained on.")
+    ] = None,
+) -> None:
+    """Measure a trained network on held-out samples: tables, figures, report."""
+    data = stages.store_of(run) if store is None else store
+    with progress("evaluating") as move:
+        from physgnn.evaluation.run import evaluate_run
+        from physgnn.evaluation.tables import accuracy_table
+
+        command = stages.command_line()
+        report = evaluate_run(run, data, split, command=command, progress=move)
+    print(accuracy_table(report).text())
+    print(f"\nreport: {run / f'evaluation-{split}' / 'report.html'}")
+
+
+@app.command()
+def predict(
+    run: Run,
+    load: Annotated[Path, typer.Option(help="Load case, JSON.")],
+    out: Out,
+    tolerance_mm: Annotated[
+        float | None, typer.Option(help="Solve instead if the error may exceed this.")
+    ] = None,
+    linear: Annotated[
+        bool, typer.Option("--linear", help="Write the linear solution too.")
+    ] = False,
+) -> None:
+    """Predict the displacement under one load case."""
+    with working("predicting"):
+        answer = stages.predict(
+            run, load, out, tolerance_mm=tolerance_mm, linear=linear
+        )
+    largest = (answer.displacement**2).sum(axis=1).max() ** 0.5
+    estimate = answer.error_estimate_mm
+    bound = "" if estimate is None else f", error at most {estimate.max_mm:.2g} mm"
+    chance = "" if estimate is None else f" ({estimate.coverage:.0%} of cases)"
+    print(
+        f"{out}: largest displacement {largest:.2f} mm{bound}{chance}, "
+        f"{1e3 * answer.seconds:.1f} ms; {answer.status}: {answer.status.remedy}"
+    )
+
+
+@app.command()
+def published(
+    weights: Annotated[Path, typer.Argument(help="Published state dict, .pt.")],
+    golden: Annotated[Path, typer.Option(help="Stored forward pass, .npz.")],
+    configuration: Annotated[int, typer.Option(help="1 to 12.")] = 3,
+    dataset: Annotated[int, typer.Option(help="1 or 2.")] = 2,
+) -> None:
+    """Load published weights and compare with a stored forward pass."""
+    with working("comparing"):
+        difference = stages.published_difference(
+            weights, golden, configuration=configuration, dataset=dataset
+        )
+    print(f"largest difference over all points: {difference:.3g} mm")
+
+
+@app.command()
+def demo(
+    folder: Annotated[Path, typer.Argument(help="Where everything goes.")] = Path(
+        "demo"
+    ),
+) -> None:
+    """Go from the bundled brain to a report; call again to resume."""
+    from physgnn.demo import run_demo
+
+    print(run_demo(folder, show=progress, log=say))
