@@ -30,8 +30,16 @@ from collections.abc import Mapping
 from dataclasses import MISSING, asdict, dataclass, fields
 from functools import partial
 from pathlib import Path
-from types import NoneType
-from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_type_hints
+from types import NoneType, UnionType
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR, Preset
 from physgnn.errors import InputError
@@ -177,7 +185,8 @@ def check_keys(table: Mapping[str, Any], allowed: Any, where: str) -> None:
 
 
 def _check_type(name: str, value: Any, expected: Any, where: str) -> None:
-    choices = get_args(expected) or (expected,)
+    union = get_origin(expected) in (Union, UnionType)
+    choices = get_args(expected) if union else (expected,)
     scalars = tuple(choice for choice in choices if choice in (int, float, str, bool))
     if not scalars:
         return

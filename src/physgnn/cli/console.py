@@ -21,8 +21,11 @@ err = Console(stderr=True)
 
 
 @contextmanager
-def progress(title: str) -> Iterator[Callback]:
-    """Show a bar with the remaining time, and yield the callback that moves it."""
+def progress(title: str, *, transient: bool = False) -> Iterator[Callback]:
+    """Show a bar with the remaining time, and yield the callback that moves it.
+
+    A transient bar is wiped away at the end.
+    """
     bar = Progress(
         SpinnerColumn(),
         TextColumn("{task.description}"),
@@ -31,8 +34,9 @@ def progress(title: str) -> Iterator[Callback]:
         TimeElapsedColumn(),
         TextColumn("left"),
         TimeRemainingColumn(),
-        TextColumn("[dim]{task.fields[doing]}", table_column=None),
+        TextColumn("[dim]{task.fields[doing]}"),
         console=err,
+        transient=transient,
     )
     with bar:
         task = bar.add_task(title, total=None, doing="")
@@ -46,7 +50,7 @@ def progress(title: str) -> Iterator[Callback]:
 @contextmanager
 def working(title: str) -> Iterator[None]:
     """Show that something without countable steps is under way, and for how long."""
-    with progress(title):
+    with progress(title, transient=True):
         yield
 
 
