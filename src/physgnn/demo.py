@@ -83,7 +83,7 @@ def _train(folder: Path, store: Store, show: Show, log: Log) -> Path:
         log(f"{run}: there already")
         return run
     config = TrainingConfig(
-        model="physgnn", schedule="cosine", max_minutes=TRAINING_MINUTES
+        model="lifted", schedule="cosine", max_minutes=TRAINING_MINUTES
     )
     with show("training") as progress:
         stages.train(
