@@ -1,1 +1,62 @@
-"""TODO."""
+"""Surfaces, tetrahedral meshes, point sets: everything before mechanics."""
+
+from physgnn.geometry.boundary import boundary_faces, boundary_points, boundary_surface
+from physgnn.geometry.normals import face_normals, vertex_normals
+from physgnn.geometry.phantom import Phantom, mni152_phantom
+from physgnn.geometry.point_sets import (
+    RULES,
+    Complement,
+    HalfSpace,
+    Nearest,
+    Rule,
+    Sphere,
+    Union,
+    rule_from_table,
+    select,
+)
+from physgnn.geometry.quality import Quality, check_quality, quality
+from physgnn.geometry.surface import (
+    Surface,
+    edge_lengths,
+    edges,
+    merge,
+    merge_points,
+    volume,
+)
+from physgnn.geometry.surface_checks import check_nested, check_surface, contains
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.geometry.tetrahedralize import paper_max_volume, tetrahedralize
+
+__all__ = [
+    "RULES",
+    "Complement",
+    "HalfSpace",
+    "Nearest",
+    "Phantom",
+    "Quality",
+    "Rule",
+    "Sphere",
+    "Surface",
+    "TetMesh",
+    "Union",
+    "boundary_faces",
+    "boundary_points",
+    "boundary_surface",
+    "check_nested",
+    "check_quality",
+    "check_surface",
+    "contains",
+    "edge_lengths",
+    "edges",
+    "face_normals",
+    "merge",
+    "merge_points",
+    "mni152_phantom",
+    "paper_max_volume",
+    "quality",
+    "rule_from_table",
+    "select",
+    "tetrahedralize",
+    "vertex_normals",
+    "volume",
+]

@@ -108,9 +108,7 @@ class TetMesh:
     def cell_volumes(self) -> FloatArray:
         """Signed volume of every cell in mm³, shape (n_cells,)."""
         a, b, c, d = (self.points[self.cells[:, i]] for i in range(4))
-        volumes: FloatArray = (
-            np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
-        )
+        volumes: FloatArray = np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
         return volumes
 
     @cached_property

@@ -1,0 +1,33 @@
+"""The outer boundary of a tetrahedral mesh."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.geometry.surface import FaceArray, Surface
+from physgnn.geometry.tetmesh import TetMesh
+
+# The faces of a positive tetrahedron, counter-clockwise seen from outside.
+CELL_FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
+
+
+def boundary_faces(mesh: TetMesh) -> FaceArray:
+    """Return the faces of one cell only, outward, shape (n_faces, 3).
+
+    A tumour's surface lies between two cells and is not among them.
+    """
+    faces = mesh.cells[:, CELL_FACES].reshape(-1, 3)
+    _, first, count = np.unique(
+        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    outer: FaceArray = faces[np.sort(first[count == 1])]
+    return outer
+
+
+def boundary_points(mesh: TetMesh) -> NDArray[np.int64]:
+    """Return the points of the outer boundary, ascending."""
+    return np.unique(boundary_faces(mesh)).astype(np.int64)
+
+
+def boundary_surface(mesh: TetMesh) -> Surface:
+    """Return the outer boundary over all points of the mesh, so indices agree."""
+    return Surface(mesh.points, boundary_faces(mesh))

@@ -1,0 +1,114 @@
+"""Which triangles cross which: exact up to rounding, vectorised over pairs."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.geometry.normals import face_normals
+from physgnn.geometry.surface import Surface
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+CHUNK = 4_000_000
+
+
+def crossing_faces(surface: Surface) -> IntArray:
+    """Return the pairs of faces that meet anywhere but in shared points.
+
+    Parameters
+    ----------
+    surface : Surface
+        Consistently oriented, no degenerate faces.
+
+    Returns
+    -------
+    (n_pairs, 2) integer array
+        Face indices, smaller first. Touching counts as crossing.
+    """
+    pairs = box_pairs(surface.points[surface.faces])
+    a, b = surface.faces[pairs[:, 0]], surface.faces[pairs[:, 1]]
+    n_shared = (a[:, :, None] == b[:, None, :]).any(axis=2).sum(axis=1)
+    crosses = np.zeros(len(pairs), dtype=bool)
+    # Sharing an edge, two triangles overlap only if folded onto each other.
+    normals = face_normals(surface)
+    fold = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
+    crosses[(n_shared == 2) & (fold < -1.0 + 1e-12)] = True
+    crosses[n_shared == 3] = True
+    # Sharing one point or none: with the shared point taken away from either, what
+    # is left of it must not meet the other.
+    open_pairs = n_shared < 2
+    a, b = a[open_pairs], b[open_pairs]
+    crosses[open_pairs] = _meet(surface.points, _without_shared(a, b), b) | _meet(
+        surface.points, a, _without_shared(b, a)
+    )
+    return pairs[crosses]
+
+
+def box_pairs(triangles: FloatArray) -> IntArray:
+    """Return the pairs of triangles whose bounding boxes overlap, smaller first.
+
+    Boxes sorted along x are each compared with those that begin before it ends.
+    """
+    low, high = triangles.min(axis=1), triangles.max(axis=1)
+    order = np.argsort(low[:, 0], kind="stable")
+    low, high = low[order], high[order]
+    count = np.searchsorted(low[:, 0], high[:, 0], side="right")
+    count -= np.arange(1, len(order) + 1)
+    found = []
+    for start, stop in _chunks(count):
+        first = np.repeat(np.arange(start, stop), count[start:stop])
+        ends = np.cumsum(count[start:stop])
+        second = first + 1 + np.arange(len(first))
+        second -= np.repeat(ends - count[start:stop], count[start:stop])
+        overlap = (
+            (low[first, 1:] <= high[second, 1:]) & (low[second, 1:] <= high[first, 1:])
+        ).all(axis=1)
+        found.append(np.stack([order[first[overlap]], order[second[overlap]]], axis=1))
+    return np.sort(np.concatenate(found), axis=1)
+
+
+def _chunks(count: IntArray) -> list[tuple[int, int]]:
+    """Split rows so that each chunk has about CHUNK pairs at most."""
+    total = np.concatenate([[0], np.cumsum(count)])
+    starts = [0]
+    while starts[-1] < len(count):
+        stop = int(np.searchsorted(total, total[starts[-1]] + CHUNK, side="right")) - 1
+        starts.append(min(max(stop, starts[-1] + 1), len(count)))
+    return list(zip(starts[:-1], starts[1:], strict=True))
+
+
+def _without_shared(a: IntArray, b: IntArray) -> IntArray:
+    """Replace the points of a that b has by one that it has not: edge or triangle."""
+    shared = (a[:, :, None] == b[:, None, :]).any(axis=2)
+    rows = np.arange(len(a))
+    own = a[rows, np.argmin(shared, axis=1)]
+    return np.where(shared, own[:, None], a)
+
+
+def _meet(points: FloatArray, a: IntArray, b: IntArray) -> NDArray[np.bool_]:
+    """Whether triangles meet, by the separating axis theorem.
+
+    Convex sets are apart if and only if their projections on some axis are: a normal,
+    the product of two edges, or, for sets in one plane, a normal times an edge. Edges
+    and points pass as triangles with repeated corners.
+    """
+    p, q = points[a], points[b]
+    origin = q[:, :1]
+    p, q = p - origin, q - origin
+    edges_p, edges_q = np.roll(p, -1, axis=1) - p, np.roll(q, -1, axis=1) - q
+    normals = [np.cross(e[:, 0], e[:, 1]) for e in (edges_p, edges_q)]
+    apart = np.zeros(len(p), dtype=bool)
+    axes = list(normals)
+    axes += [np.cross(edges_p[:, i], edges_q[:, j]) for i in range(3) for j in range(3)]
+    axes += [
+        np.cross(normal, edges[:, i])
+        for normal in normals
+        for edges in (edges_p, edges_q)
+        for i in range(3)
+    ]
+    for axis in axes:
+        on_p = np.einsum("ijk,ik->ij", p, axis)
+        on_q = np.einsum("ijk,ik->ij", q, axis)
+        apart |= on_p.max(axis=1) < on_q.min(axis=1)
+        apart |= on_q.max(axis=1) < on_p.min(axis=1)
+    return ~apart
