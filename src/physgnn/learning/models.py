@@ -9,9 +9,11 @@ from typing import Any
 
 from physgnn.errors import InputError
 from physgnn.learning.interface import Body, Model
+from physgnn.learning.lifted import LiftedModel
 from physgnn.learning.physgnn_model import PhysGNNModel
 
 MODELS: Mapping[str, Callable[..., Model]] = {
+    "lifted": LiftedModel,
     "physgnn": PhysGNNModel,
 }
 

@@ -1,0 +1,69 @@
+"""The equilibria to expand about: a load path under the training loads' mean."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.dataset.store import Store
+from physgnn.learning.interface import Body
+from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.rest_state import RestState
+from physgnn.mechanics.solution import Status
+from physgnn.mechanics.solver import Solver
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatArray:
+    """Return equilibria at equal steps under the mean of some loads.
+
+    The last step is at the largest projection of any of the loads on their mean, in
+    energy: λ = f·K₀⁻¹f̄ / f̄·K₀⁻¹f̄. Where the path ends early, by a limit point, the
+    last state is repeated.
+
+    Parameters
+    ----------
+    body : Body
+        What's loaded; forces and states are in its mesh's axes.
+    forces : (n_loads, n_points, 3) array
+        N.
+    n_anchors : int
+        How many, the rest state not counted.
+
+    Returns
+    -------
+    (n_anchors, n_points, 3) array
+        Displacement, mm.
+    """
+    mean = forces.mean(axis=0)
+    mean[body.fixed] = 0.0
+    answer = RestState(body.mesh, body.materials, body.fixed).solve(mean)
+    work = float((mean * answer).sum())
+    if n_anchors == 0 or work == 0.0:
+        return np.zeros((n_anchors, *mean.shape))
+    largest = float(np.tensordot(forces, answer, axes=2).max()) / work
+    nodes = np.flatnonzero(mean.any(axis=1))
+    steps = np.arange(1, n_anchors + 1) / n_anchors
+    path = LoadPath(nodes, largest * mean[nodes], steps)
+    solution = Solver(body.mesh, body.materials, body.fixed).solve(path)
+    reached = np.flatnonzero(solution.status == Status.CONVERGED)
+    if len(reached) == 0:
+        return np.zeros((n_anchors, *mean.shape))
+    found: FloatArray = solution.displacement[
+        np.minimum(np.arange(n_anchors), reached[-1])
+    ]
+    return found
+
+
+def sample_forces(store: Store, samples: IntArray) -> FloatArray:
+    """Return each path's strongest load among samples, (n_paths, n_points, 3), N."""
+    paths, first = np.unique(samples[:, 0], return_inverse=True)
+    top = np.zeros(len(paths), dtype=np.int64)
+    np.maximum.at(top, first, samples[:, 1])
+    n_points = store.mesh.n_points
+    return np.stack(
+        [
+            store.load_case(int(path), int(level)).on_points(n_points)
+            for path, level in zip(paths, top, strict=True)
+        ]
+    )

@@ -1,0 +1,216 @@
+"""The lifted network: physics carries a load's answer, a network what is left over.
+
+u = ū + u₁ + u₂ (`physgnn.learning.perturbation`) + ‖u₂‖ · (network + modes). The
+factor, the mean length of u₂, makes the correction O(load²) or smaller, so that small
+loads get the linear solution, and none nothing. All is computed in the body's own axes,
+so that a body turned with its load has its answer turned.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from physgnn.dataset.store import Store
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.anchors import mean_load_anchors, sample_forces
+from physgnn.learning.graph import Graph, as_float32
+from physgnn.learning.interface import Body, Model
+from physgnn.learning.lifted_network import LiftedNetwork, Patch
+from physgnn.learning.mesh_gradient import points_within
+from physgnn.learning.modes import leading_modes
+from physgnn.learning.perturbation import Perturbation
+from physgnn.mechanics.loads import LoadCase
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+MAX_SNAPSHOTS = 600  # more don't change the modes that pay, and cost memory
+HIDDEN = 64  # of the small network from modes to modes
+
+
+class LiftedModel(Model):
+    """The expansion about the nearest anchor, corrected.
+
+    Parameters
+    ----------
+    body : Body
+        What it's made for.
+    anchors : int
+        Equilibria to expand about, besides the rest state.
+    reach : int
+        The local network works on points at most so many edges from a loaded one.
+    width, layers : int
+        Of the local network.
+    modes : int
+        Global shapes of the correction, added by a small network; 0 leaves them out,
+        and then nothing learnt belongs to this body alone.
+    """
+
+    axes: Tensor
+    free: Tensor
+    anchor_states: Tensor
+    near: Tensor
+    modes: Tensor
+    mode_scale: Tensor
+
+    def __init__(
+        self,
+        body: Body,
+        *,
+        anchors: int = 6,
+        reach: int = 4,
+        width: int = 32,
+        layers: int = 6,
+        modes: int = 32,
+    ) -> None:
+        super().__init__()
+        if min(anchors, reach, modes) < 0 or min(width, layers) < 1:
+            raise InputError(
+                "anchors, reach and modes must be ≥ 0, width and layers ≥ 1 (got "
+                f"{anchors}, {reach}, {modes}, {width}, {layers})"
+            )
+        self.body = body
+        self.reach = reach
+        n = body.mesh.n_points
+        free = np.ones((n, 1))
+        free[body.fixed] = 0.0
+        axes = body_axes(body.mesh)
+        self._turned = _turned(body, axes)
+        self.register_buffer("axes", as_float32(axes), persistent=False)
+        self.register_buffer("free", as_float32(free), persistent=False)
+        self.register_buffer("anchor_states", torch.zeros(anchors, n, 3))
+        self.register_buffer("near", torch.ones(n, dtype=torch.bool))
+        self.register_buffer("modes", torch.zeros(modes, n, 3))
+        self.register_buffer("mode_scale", torch.ones(2 * modes))
+        self.local = LiftedNetwork(width, layers)
+        self.coefficients = nn.Sequential(
+            nn.Linear(2 * modes, HIDDEN), nn.SiLU(), nn.Linear(HIDDEN, modes)
+        ) if modes else None  # fmt: skip
+        self._forget()
+        self.register_load_state_dict_post_hook(_forget)  # type: ignore[no-untyped-call]
+
+    def _forget(self) -> None:
+        """Drop what was made from the buffers; it's made again when needed."""
+        self._perturbation: Perturbation | None = None
+        self._patch: Patch | None = None
+
+    @property
+    def perturbation(self) -> Perturbation:
+        """The expansion, in the body's axes."""
+        if self._perturbation is None:
+            states = self.anchor_states.cpu().numpy()
+            self._perturbation = Perturbation(self._turned, states)
+        return self._perturbation
+
+    def fit(self, store: Store, samples: IntArray) -> None:
+        """Find the anchors, the points near loads, and the modes."""
+        axes = self._axes64()
+        forces = sample_forces(store, samples)
+        loaded = np.flatnonzero(forces.any(axis=(0, 2)))
+        self.near.copy_(torch.from_numpy(points_within(store.mesh, loaded, self.reach)))
+        states = mean_load_anchors(
+            self._turned, forces @ axes.T, len(self.anchor_states)
+        )
+        self.anchor_states.copy_(torch.from_numpy(states))
+        self._forget()
+        if len(self.modes):
+            self._fit_modes(store, samples)
+
+    def _fit_modes(self, store: Store, samples: IntArray) -> None:
+        every = max(len(samples) // MAX_SNAPSHOTS, 1)
+        missed, terms = [], []
+        for path, level in samples[::every]:
+            x = self.encode(store.load_case(int(path), int(level)))
+            truth = torch.tensor(store.displacement(int(path))[int(level)])
+            answer, first, second, _ = torch.split(x, 3, dim=-1)
+            missed.append((truth @ self.axes.cpu().T - answer) / _size(second[None])[0])
+            terms.append(torch.stack([first, second]))
+        shapes = leading_modes(torch.stack(missed).numpy(), len(self.modes))
+        self.modes.copy_(as_float32(shapes))
+        projected = self._project(torch.stack(terms).to(self.modes))
+        self.mode_scale.copy_(projected.square().mean(0).sqrt().clamp_min(1e-12))
+
+    def encode(self, load_case: LoadCase) -> Tensor:
+        """Return the second-order answer, u₁, u₂ and force in the body's axes.
+
+        Returns
+        -------
+        (n_points, 12) float32 tensor
+            mm and N.
+        """
+        force = load_case.on_points(self.body.mesh.n_points) @ self._axes64().T
+        terms = self.perturbation.expand(force)
+        return as_float32(
+            np.column_stack([terms.displacement, terms.first, terms.second, force])
+        )
+
+    def forward(self, inputs: Tensor, graph: Graph) -> Tensor:  # noqa: ARG002
+        """Return displacement in mm, (batch, n_points, 3), in the world's axes."""
+        answer, first, second, force = torch.split(inputs, 3, dim=-1)
+        size = _size(second)
+        patch = self._patch_on(inputs.device)
+        terms = torch.cat([answer - first - second, first, second], dim=-1)
+        near = self.local(terms[:, patch.points], force[:, patch.points], size, patch)
+        correction = torch.zeros_like(answer).index_copy(1, patch.points, near)
+        if self.coefficients is not None:
+            projected = self._project(torch.stack([first, second], dim=1))
+            shares = self.coefficients(projected / self.mode_scale)
+            correction = correction + torch.tensordot(shares, self.modes, dims=1)
+        displacement: Tensor = (answer + self.free * size * correction) @ self.axes
+        return displacement
+
+    def _project(self, terms: Tensor) -> Tensor:
+        """Return (batch, 2 · modes) products of u₁ and u₂ with the modes."""
+        flat = self.modes.flatten(1)
+        return (terms.flatten(2) @ flat.T).flatten(1)
+
+    def _patch_on(self, device: torch.device) -> Patch:
+        if self._patch is None or self._patch.points.device != device:
+            patch = Patch.of(self._turned, self.near.cpu().numpy())
+            self._patch = patch.to(device)
+        return self._patch
+
+    def _axes64(self) -> FloatArray:
+        return body_axes(self.body.mesh)
+
+
+def _forget(model: nn.Module, _: object) -> None:
+    assert isinstance(model, LiftedModel)
+    model._forget()
+
+
+def _size(second: Tensor) -> Tensor:
+    """Return the root mean square length of a field over its points, (batch, 1, 1)."""
+    return second.square().sum(dim=-1, keepdim=True).mean(dim=1, keepdim=True).sqrt()
+
+
+def body_axes(mesh: TetMesh) -> FloatArray:
+    """Return the body's own right-handed axes as rows, (3, 3).
+
+    They are the principal axes of its points, each pointing to the side of the longer
+    tail, so that they turn with the body.
+    """
+    centred = mesh.points - mesh.points.mean(axis=0)
+    _, vectors = np.linalg.eigh(centred.T @ centred)
+    axes = vectors.T
+    tails = ((centred @ axes.T) ** 3).sum(axis=0)
+    axes[tails < 0] *= -1.0
+    axes[2] = np.cross(axes[0], axes[1])
+    turned: FloatArray = axes
+    return turned
+
+
+def _turned(body: Body, axes: FloatArray) -> Body:
+    return replace(
+        body,
+        mesh=TetMesh(
+            body.mesh.points @ axes.T,
+            body.mesh.cells,
+            body.mesh.region,
+            body.mesh.point_sets,
+        ),
+    )
