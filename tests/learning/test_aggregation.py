@@ -57,7 +57,7 @@ def test_gradient_is_that_of_the_values(
 @kinds
 def test_a_point_without_neighbours_gets_zero(aggregation: str) -> None:
     graph = Graph(
-        torch.tensor([0, 1, 2, 2]), torch.tensor([1, 0]), torch.tensor([2.0, 2.0])
+        torch.tensor([0, 1, 2, 2]), torch.tensor([1, 0]), torch.tensor([2.0, 2.0]), 3
     )
     x = torch.tensor([[[-1.0], [-3.0], [5.0]]])
     y = aggregate(graph, x, weighted=True, aggregation=aggregation)

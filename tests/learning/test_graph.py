@@ -12,8 +12,8 @@ def test_a_tetrahedron_has_six_edges_both_ways_weighted_by_length() -> None:
     graph = Graph.from_mesh(mesh)
     lengths = np.linalg.norm(TETRAHEDRON[:, None] - TETRAHEDRON, axis=2)
     np.fill_diagonal(lengths, np.inf)
-    np.testing.assert_allclose(graph.weighted.to_dense(), 1 / lengths, rtol=1e-6)
-    np.testing.assert_array_equal(graph.plain.to_dense(), 1 - np.eye(4))
+    np.testing.assert_allclose(graph.weighted.matrix.to_dense(), 1 / lengths, rtol=1e-6)
+    np.testing.assert_array_equal(graph.plain.matrix.to_dense(), 1 - np.eye(4))
 
 
 def test_edges_are_those_of_the_cells_once(block: TetMesh) -> None:
@@ -25,9 +25,20 @@ def test_edges_are_those_of_the_cells_once(block: TetMesh) -> None:
     assert graph.n_edges == len(pairs)
 
 
-def test_matrices_are_symmetric(block: TetMesh) -> None:
-    dense = Graph.from_mesh(block).weighted.to_dense()
-    assert torch.equal(dense, dense.T)
+def test_cut_keeps_the_first_rows_and_columns(block: TetMesh) -> None:
+    graph = Graph.from_mesh(block)
+    n_columns = int(graph.column[: graph.row_start[10]].max()) + 1
+    cut = graph.cut(10, n_columns).weighted
+    whole = graph.weighted.matrix.to_dense()
+    assert torch.equal(cut.matrix.to_dense(), whole[:10, :n_columns])
+    assert torch.equal(cut.transpose.to_dense(), whole[:10, :n_columns].T)
+
+
+def test_reordered_renames_points_only(block: TetMesh) -> None:
+    graph = Graph.from_mesh(block)
+    order = torch.randperm(graph.n_points, generator=torch.Generator().manual_seed(0))
+    dense = graph.reordered(order).weighted.matrix.to_dense()
+    assert torch.equal(dense, graph.weighted.matrix.to_dense()[order][:, order])
 
 
 def test_a_point_of_no_cell_keeps_its_empty_row() -> None:
@@ -40,5 +51,5 @@ def test_a_point_of_no_cell_keeps_its_empty_row() -> None:
 def test_matrices_made_while_predicting_serve_for_training(block: TetMesh) -> None:
     graph = Graph.from_mesh(block)
     with torch.inference_mode():
-        matrix = graph.plain
-    assert not matrix.is_inference()
+        made = graph.plain.matrix, graph.plain.transpose
+    assert not any(matrix.is_inference() for matrix in made)

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 from torch.autograd.function import once_differentiable
 
-from physgnn.learning.graph import Graph
+from physgnn.learning.graph import Graph, Neighbours
 
 
 def aggregate(graph: Graph, x: Tensor, *, weighted: bool, aggregation: str) -> Tensor:
@@ -18,7 +18,7 @@ def aggregate(graph: Graph, x: Tensor, *, weighted: bool, aggregation: str) -> T
     ----------
     graph : Graph
         The graph.
-    x : (batch, n_points, columns) tensor
+    x : (batch, graph.n_columns, columns) tensor
         Values.
     weighted : bool
         Multiply a neighbour's value by 1 / edge length first.
@@ -29,35 +29,35 @@ def aggregate(graph: Graph, x: Tensor, *, weighted: bool, aggregation: str) -> T
     -------
     (batch, n_points, columns) tensor
     """
-    matrix = graph.weighted if weighted else graph.plain
+    neighbours = graph.weighted if weighted else graph.plain
     product = AGGREGATIONS[aggregation]
-    return torch.stack([product(matrix, sample) for sample in x])
+    return torch.stack([product(neighbours, sample) for sample in x])
 
 
-class _SymmetricProduct(torch.autograd.Function):
-    """matrix @ x for a symmetric matrix, which is then its own backward pass."""
+class _Product(torch.autograd.Function):
+    """matrix @ x, whose way back is a product with the transpose, kept as well."""
 
     @staticmethod
-    def forward(ctx: Any, matrix: Tensor, x: Tensor) -> Tensor:
-        ctx.matrix = matrix
-        return _product(matrix, x, "sum")
+    def forward(ctx: Any, neighbours: Neighbours, x: Tensor) -> Tensor:
+        ctx.neighbours = neighbours
+        return _reduced(neighbours.matrix, x, "sum")
 
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, grad: Tensor) -> tuple[None, Tensor]:
-        return None, _product(ctx.matrix, grad.contiguous(), "sum")
+        return None, _reduced(ctx.neighbours.transpose, grad.contiguous(), "sum")
 
 
-def _sum(matrix: Tensor, x: Tensor) -> Tensor:
-    product: Tensor = _SymmetricProduct.apply(matrix, x)  # type: ignore[no-untyped-call]
+def _sum(neighbours: Neighbours, x: Tensor) -> Tensor:
+    product: Tensor = _Product.apply(neighbours, x)  # type: ignore[no-untyped-call]
     return product
 
 
-def _maximum(matrix: Tensor, x: Tensor) -> Tensor:
-    return _product(matrix, x, "amax")
+def _maximum(neighbours: Neighbours, x: Tensor) -> Tensor:
+    return _reduced(neighbours.matrix, x, "amax")
 
 
-def _product(matrix: Tensor, x: Tensor, reduce: str) -> Tensor:
+def _reduced(matrix: Tensor, x: Tensor, reduce: str) -> Tensor:
     product: Tensor = torch.sparse.mm(matrix, x, reduce)
     return product
 

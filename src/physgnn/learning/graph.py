@@ -32,11 +32,14 @@ class Graph:
         Neighbours, ascending within a row.
     weight : (n_edges,) float32 tensor
         1 / edge length, 1/mm.
+    n_columns : int
+        Points that neighbours are among: all of them, unless the graph was cut.
     """
 
     row_start: Tensor
     column: Tensor
     weight: Tensor
+    n_columns: int
 
     @classmethod
     def from_mesh(cls, mesh: TetMesh) -> "Graph":
@@ -47,6 +50,7 @@ class Graph:
             torch.from_numpy(np.searchsorted(start, np.arange(mesh.n_points + 1))),
             torch.from_numpy(end),
             as_float32(1.0 / length),
+            mesh.n_points,
         )
 
     @property
@@ -60,40 +64,48 @@ class Graph:
         return len(self.column)
 
     @property
+    def row(self) -> Tensor:
+        """The point each edge belongs to, (n_edges,)."""
+        points = torch.arange(self.n_points, device=self.column.device)
+        return points.repeat_interleave(self.row_start.diff())
+
+    @property
     def edge_index(self) -> Tensor:
         """Edges as (2, n_edges) rows of source and target, as PyTorch Geometric has."""
-        target = torch.arange(self.n_points, device=self.column.device)
-        return torch.stack(
-            [self.column, target.repeat_interleave(self.row_start.diff())]
-        )
+        return torch.stack([self.column, self.row])
 
     @cached_property
-    def weighted(self) -> Tensor:
-        """Sparse (n_points, n_points) matrix of 1 / edge length; symmetric."""
-        return self._matrix(self.weight)
+    def weighted(self) -> "Neighbours":
+        """Neighbours with the weight 1 / edge length."""
+        return Neighbours(self, self.weight)
 
     @cached_property
-    def plain(self) -> Tensor:
-        """Sparse (n_points, n_points) matrix of ones where there's an edge."""
-        return self._matrix(torch.ones(self.n_edges).to(self.weight))
-
-    def _matrix(self, values: Tensor) -> Tensor:
-        # Kept for training as well, wherever it was first asked for.
-        with torch.inference_mode(False), warnings.catch_warnings():
-            warnings.filterwarnings("ignore", "Sparse CSR tensor support is in beta")
-            return torch.sparse_csr_tensor(
-                self.row_start,
-                self.column,
-                values.clone(),
-                (self.n_points,) * 2,
-                check_invariants=True,
-            )
+    def plain(self) -> "Neighbours":
+        """Neighbours with the weight 1."""
+        return Neighbours(self, torch.ones_like(self.weight))
 
     def to(self, device: torch.device | str) -> "Graph":
         """Return the graph on a device."""
         return Graph(
-            *(t.to(device) for t in (self.row_start, self.column, self.weight))
+            self.row_start.to(device),
+            self.column.to(device),
+            self.weight.to(device),
+            self.n_columns,
         )
+
+    def reordered(self, order: Tensor) -> "Graph":
+        """Return the same graph with points renamed, ``order[new] = old``."""
+        new = torch.argsort(order)
+        row, column = new[self.row], new[self.column]
+        edges = torch.argsort(row * self.n_columns + column)
+        start = _row_start(row, self.n_points)
+        return Graph(start, column[edges], self.weight[edges], self.n_columns)
+
+    def cut(self, n_points: int, n_columns: int) -> "Graph":
+        """Return the first rows, whose neighbours are all among the first columns."""
+        end = int(self.row_start[n_points])
+        start = self.row_start[: n_points + 1]
+        return Graph(start, self.column[:end], self.weight[:end], n_columns)
 
     def check_rows(self, x: Tensor) -> None:
         """Raise InputError unless x is (batch, n_points, columns)."""
@@ -113,3 +125,54 @@ def _edges(cells: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int6
         np.concatenate([wide[:, i] * n_points + wide[:, j] for i, j in pairs])
     )
     return keys // n_points, keys % n_points
+
+
+@dataclass(frozen=True, eq=False)
+class Neighbours:
+    """A graph's edges with values, as sparse matrices made when first asked for.
+
+    They serve for training wherever that was, in inference mode too.
+    """
+
+    graph: Graph
+    value: Tensor
+
+    @cached_property
+    def matrix(self) -> Tensor:
+        """Sparse (n_points, n_columns) matrix."""
+        graph = self.graph
+        with torch.inference_mode(False):
+            return _sparse(
+                graph.row_start,
+                graph.column,
+                self.value.clone(),
+                (graph.n_points, graph.n_columns),
+            )
+
+    @cached_property
+    def transpose(self) -> Tensor:
+        """Sparse (n_columns, n_points) matrix, for gradients."""
+        graph = self.graph
+        with torch.inference_mode(False):
+            order = torch.argsort(graph.column, stable=True)
+            return _sparse(
+                _row_start(graph.column, graph.n_columns),
+                graph.row[order],
+                self.value.clone()[order],
+                (graph.n_columns, graph.n_points),
+            )
+
+
+def _row_start(row: Tensor, n_rows: int) -> Tensor:
+    counts = torch.bincount(row, minlength=n_rows)
+    return torch.cat([counts.new_zeros(1), counts.cumsum(0)])
+
+
+def _sparse(
+    row_start: Tensor, column: Tensor, value: Tensor, shape: tuple[int, int]
+) -> Tensor:
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Sparse CSR tensor support is in beta")
+        return torch.sparse_csr_tensor(
+            row_start, column, value, shape, check_invariants=True
+        )

@@ -1,15 +1,18 @@
 """PhysGNN as published: six convolutions, two attentions over layers, a small head."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from torch import Tensor, nn
 
 from physgnn.errors import InputError
+from physgnn.learning.attention import JumpingKnowledge
+from physgnn.learning.convolution import Convolution
 from physgnn.learning.graph import Graph
-from physgnn.learning.operators import Convolution, JumpingKnowledge
+from physgnn.learning.pruning import Fill, Pruning, keep_all
 
 N_INPUTS = 7
 LAYERS_A_BLOCK = 3
+N_LAYERS = 6
 
 # Configuration: layer types (G GraphConv, weighted edges; S SAGEConv, plain ones) and
 # the aggregations (a add, m max) of the six layers on dataset 1 and on dataset 2.
@@ -73,6 +76,7 @@ class PhysGNN(nn.Module):
             nn.Linear(width, narrow), nn.PReLU(narrow), nn.Dropout(0.1),
             nn.Linear(narrow, 3),
         )  # fmt: skip
+        self._pruning = Pruning(N_LAYERS)
 
     def forward(self, x: Tensor, graph: Graph) -> Tensor:
         """Return displacement in mm.
@@ -93,17 +97,45 @@ class PhysGNN(nn.Module):
             single: Tensor = self(x[None], graph)[0]
             return single
         graph.check_rows(x)
-        for block, attention in enumerate(self.attentions):
-            outputs: list[Tensor] = []
-            for layer in range(block * LAYERS_A_BLOCK, (block + 1) * LAYERS_A_BLOCK):
-                x = self.layer(layer, x, graph)
-                outputs.append(x)
-            x = attention(outputs)
-        displacement: Tensor = self.head(x.flatten(0, 1)).view(*x.shape[:2], 3)
+        last = self._pruning.last_output(self, x, graph)
+        if last is None:
+            last = self.outputs(x, [graph] * N_LAYERS)[-1]
+        displacement: Tensor = self.head(last.flatten(0, 1)).view(*x.shape[:2], 3)
         return displacement
 
-    def layer(self, index: int, x: Tensor, graph: Graph) -> Tensor:
-        """Return one convolution's activated output, (batch, n_points, width)."""
+    def outputs(
+        self, x: Tensor, graphs: Sequence[Graph], fill: Fill = keep_all
+    ) -> list[Tensor]:
+        """Return the input and the output of every layer and every attention.
+
+        Parameters
+        ----------
+        x : (batch, n_points, 7) tensor
+            Standardised features.
+        graphs : six graphs
+            One a layer; its rows are the points whose output is wanted.
+        fill : callable
+            From an output's place in the list, the output, and a number of rows, to
+            that many rows of it.
+
+        Returns
+        -------
+        list of nine (batch, rows, columns) tensors
+            Input, three layers, their attention, three layers, their attention.
+        """
+        found = [x]
+        for block, attention in enumerate(self.attentions):
+            first = block * LAYERS_A_BLOCK
+            for index in range(first, first + LAYERS_A_BLOCK):
+                graph = graphs[index]
+                x = fill(len(found) - 1, found[-1], graph.n_columns)
+                found.append(self._layer(index, x, graph))
+            places = range(len(found) - LAYERS_A_BLOCK, len(found))
+            layers = [fill(place, found[place], graph.n_points) for place in places]
+            found.append(attention(layers))
+        return found
+
+    def _layer(self, index: int, x: Tensor, graph: Graph) -> Tensor:
         y = self.convolutions[index](x, graph)
         activated: Tensor = self.activations[index](y.flatten(0, 1)).view_as(y)
         return activated

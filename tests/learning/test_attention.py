@@ -1,0 +1,21 @@
+import pytest
+import torch
+
+from learning.reference import JumpingKnowledge as Reference
+from physgnn.learning.attention import JumpingKnowledge
+
+
+@pytest.mark.parametrize(("width", "n_layers"), [(2, 1), (8, 2), (10, 3), (6, 5)])
+def test_equals_pytorch_geometric(width: int, n_layers: int) -> None:
+    torch.manual_seed(width)
+    reference = Reference("lstm", width, n_layers).double()
+    ours = JumpingKnowledge(width, n_layers).double()
+    ours.lstm.load_state_dict(reference.lstm.state_dict())
+    ours.score.load_state_dict(reference.att.state_dict())
+    layers = list(torch.randn(n_layers, 20, width).double())
+    torch.testing.assert_close(ours(layers), reference(layers))
+
+
+def test_equal_layers_are_their_own_mean() -> None:
+    layer = torch.randn(2, 7, 4)
+    torch.testing.assert_close(JumpingKnowledge(4, 3)([layer] * 3), layer)
