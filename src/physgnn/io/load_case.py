@@ -1,0 +1,126 @@
+"""Load cases as JSON: nodes by index, or by place on the surface.
+
+Either of::
+
+    {"nodes": [12, 30], "forces_n": [[0, 0, -0.2], [0, 0, -0.2]]}
+    {"points": [[62.0, 129.1, 150.3]], "forces_n": [[0, 0, -1.0]]}
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from physgnn.errors import InputError
+from physgnn.geometry.boundary import boundary_points
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io.atomic import whole_file
+from physgnn.mechanics.loads import LoadCase
+
+PLACES = ("nodes", "points")
+FORCES = "forces_n"
+# A place farther from the surface than this is not meant to be on it: about the
+# spacing of surface nodes.
+SNAP_MM = 10.0
+
+
+def read_load_case(
+    path: str | Path, mesh: TetMesh, *, snap_mm: float = SNAP_MM
+) -> LoadCase:
+    """Read a load case and check that its nodes are the mesh's.
+
+    Parameters
+    ----------
+    path : path
+        JSON with ``forces_n``, N, and either ``nodes`` or ``points``, mm.
+    mesh : TetMesh
+        The mesh it acts on.
+    snap_mm : float
+        How far a point may lie from the surface node that takes its force. Forces on
+        the same node add up.
+
+    Raises
+    ------
+    InputError
+        If the file is no such JSON, a node is not in the mesh, a point is far from
+        the surface, or a force is not three finite numbers.
+    """
+    path = Path(path)
+    try:
+        content = json.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    except ValueError as error:
+        raise InputError(f"{path}: expected JSON ({error})") from error
+    try:
+        return _load_case(content, mesh, snap_mm)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def write_load_case(path: str | Path, case: LoadCase) -> None:
+    """Write a load case by nodes; `read_load_case` gives it back exactly."""
+    content = {"nodes": case.nodes.tolist(), FORCES: case.forces.tolist()}
+    with whole_file(Path(path)) as part:
+        part.write_text(json.dumps(content) + "\n", "utf-8")
+
+
+def _load_case(content: Any, mesh: TetMesh, snap_mm: float) -> LoadCase:
+    places = [key for key in PLACES if isinstance(content, dict) and key in content]
+    if len(places) != 1 or set(content) != {places[0], FORCES}:
+        keys = list(content) if isinstance(content, dict) else type(content).__name__
+        raise InputError(
+            f"a load case needs {FORCES} and either nodes or points (got {keys})"
+        )
+    forces = _rows(content[FORCES], FORCES)
+    if places == ["points"]:
+        nodes, forces = _snapped(
+            _rows(content["points"], "points"), forces, mesh, snap_mm
+        )
+    else:
+        nodes = np.asarray(content["nodes"], dtype=object)
+        if not all(type(node) is int for node in nodes.ravel()):
+            raise InputError("nodes must be a list of whole numbers")
+        nodes = nodes.astype(np.int64)
+    case = LoadCase(nodes, forces)
+    case.check_against(mesh, np.empty(0, dtype=np.int64))
+    return case
+
+
+def _snapped(
+    points: NDArray[np.float64],
+    forces: NDArray[np.float64],
+    mesh: TetMesh,
+    snap_mm: float,
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the nearest surface nodes and the sum of the forces on each."""
+    if len(points) != len(forces):
+        raise InputError(
+            f"{FORCES} must have one force a point (got {len(forces)} forces for "
+            f"{len(points)} points)"
+        )
+    surface = boundary_points(mesh)
+    distance, nearest = cKDTree(mesh.points[surface]).query(points)
+    far = int(distance.argmax())
+    if distance[far] > snap_mm:
+        raise InputError(
+            f"point {points[far].tolist()} must lie within {snap_mm:g} mm of a surface "
+            f"node (the nearest is {distance[far]:.1f} mm away): check axes and units"
+        )
+    nodes, index = np.unique(surface[nearest], return_inverse=True)
+    total = np.zeros((len(nodes), 3))
+    np.add.at(total, index, forces)
+    return nodes, total
+
+
+def _rows(value: Any, name: str) -> NDArray[np.float64]:
+    try:
+        rows = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        rows = np.empty(0)
+    if rows.ndim != 2 or rows.shape[1] != 3 or not np.isfinite(rows).all():
+        raise InputError(f"{name} must be a list of triples of finite numbers")
+    return rows

@@ -1,0 +1,119 @@
+"""Meshes and predictions as VTU, without loss.
+
+Points in double precision; cell array ``region``; every point set twice: as field
+data ``point_set:<name>`` (the indices in their order, what is read back) and as a
+point array ``in_<name>`` of 0 and 1 to look at.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io.atomic import whole_file
+from physgnn.io.vtk_reader import read_vtk
+
+SET_PREFIX = "point_set:"
+
+
+def write_mesh(path: str | Path, mesh: TetMesh) -> None:
+    """Write a mesh with its regions and point sets; `read_mesh` gives it back exactly.
+
+    Raises
+    ------
+    InputError
+        If the name does not end in .vtu or the folder is missing.
+    """
+    _save(Path(path), _grid(mesh))
+
+
+def write_prediction(
+    path: str | Path, mesh: TetMesh, fields: Mapping[str, NDArray[np.float64]]
+) -> None:
+    """Write a mesh in its rest state with fields on its points.
+
+    Parameters
+    ----------
+    path : path
+        Ends in .vtu.
+    mesh : TetMesh
+        The mesh.
+    fields : mapping of str to array
+        Displacement, force, error: (n_points,) or (n_points, 3) each. A name says
+        its unit, such as ``displacement_mm``.
+
+    Raises
+    ------
+    InputError
+        If a field has another shape, or the path cannot be written.
+    """
+    grid = _grid(mesh)
+    for name, field in fields.items():
+        values = np.asarray(field)
+        if values.shape not in ((mesh.n_points,), (mesh.n_points, 3)):
+            raise InputError(
+                f"field '{name}' must have one value or vector a point, "
+                f"({mesh.n_points},) or ({mesh.n_points}, 3) (got {values.shape})"
+            )
+        grid.point_data[name] = values
+    _save(Path(path), grid)
+
+
+def read_mesh(path: str | Path) -> TetMesh:
+    """Read a mesh with its regions and point sets.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is no VTU, has cells other than linear tetrahedra, or
+        lacks the cell array ``region``.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; make a mesh with 'physgnn mesh'")
+    with path.open("rb") as file:
+        if path.suffix != ".vtu" or b'type="UnstructuredGrid"' not in file.read(4096):
+            raise InputError(f"{path}: expected a VTU mesh, which it is not")
+    grid = read_vtk(path)
+    if grid.n_cells == 0 or (grid.celltypes != pv.CellType.TETRA).any():
+        raise InputError(f"{path}: every cell must be a linear tetrahedron")
+    if "region" not in grid.cell_data:
+        have = ", ".join(grid.cell_data.keys()) or "none"
+        raise InputError(
+            f"{path}: needs a cell array 'region' (0 brain, 1 tumour; it has: {have})"
+        )
+    try:
+        return TetMesh(
+            points=grid.points,
+            cells=grid.cell_connectivity.reshape(-1, 4),
+            region=grid.cell_data["region"],
+            point_sets={
+                name.removeprefix(SET_PREFIX): grid.field_data[name]
+                for name in grid.field_data.keys()  # noqa: SIM118 (no mapping)
+                if name.startswith(SET_PREFIX)
+            },
+        )
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _grid(mesh: TetMesh) -> pv.UnstructuredGrid:
+    grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
+    grid.cell_data["region"] = mesh.region
+    for name, ids in mesh.point_sets.items():
+        inside = np.zeros(mesh.n_points, dtype=np.uint8)
+        inside[ids] = 1
+        grid.point_data[f"in_{name}"] = inside
+        grid.field_data[SET_PREFIX + name] = ids
+    return grid
+
+
+def _save(path: Path, grid: pv.UnstructuredGrid) -> None:
+    if path.suffix != ".vtu":
+        raise InputError(f"{path}: a mesh is written as .vtu (got '{path.suffix}')")
+    with whole_file(path) as part:
+        grid.save(part)
