@@ -8,6 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from physgnn.evaluation.distribution import (
     BIN_EDGES_MM,
+    HISTOGRAM_EDGES_MM,
     RESOLUTION,
     SMALLEST_MM,
     RunningDistribution,
@@ -60,6 +61,17 @@ def test_bins_hold_what_their_edges_say() -> None:
     running.add(centres)
     assert running.counts[0] == 0
     assert (running.counts[1:] == 1).all()
+
+
+@given(errors)
+def test_histogram_counts_between_its_edges(values: np.ndarray) -> None:
+    running = RunningDistribution()
+    running.add(values)
+    histogram, edges = running.histogram(), np.array(HISTOGRAM_EDGES_MM)
+    assert sum(histogram) == len(values)
+    assert len(histogram) == len(edges)
+    far = (np.abs(values[:, None] / edges - 1) > 1e-9).all(axis=1)  # from any edge
+    assert (np.histogram(values[far], edges)[0] <= histogram[1:]).all()
 
 
 def test_nothing_has_no_summary() -> None:

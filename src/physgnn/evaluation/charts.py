@@ -4,15 +4,16 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from physgnn.evaluation.distribution import BIN_EDGES_MM
+from physgnn.evaluation.distribution import HISTOGRAM_EDGES_MM
 from physgnn.evaluation.result import ModelErrors, Report
 from physgnn.evaluation.style import DISPLACEMENT_MAP, colour, label
 
 SMALLEST_SHOWN_MM = 1e-4
-MERGED_BINS = 48  # histogram bins drawn as one: 0.25 % each gives 13 % a step
+SHORT_AXIS = 50.0  # highest over lowest value
 LABEL_GAP = 0.055  # least distance of labels, as a fraction of the axis
 
 
@@ -36,8 +37,8 @@ def level_chart(report: Report) -> Figure:
                 markersize=3 if len(levels) > 8 else 4.5,
             )
         axes.set(title=title, xlabel="load, % of the full force", yscale="log")
-        axes.yaxis.set_major_formatter(FuncFormatter(_millimetres))
         axes.set_xlim(0, None)
+        _label_millimetres(axes.yaxis)
         _label_line_ends(axes, [(m.name, float(v[-1])) for m, _, v in lines])
     return figure
 
@@ -76,13 +77,11 @@ def histogram_chart(report: Report) -> Figure:
     """Distribution of the Euclidean error over all nodes and samples."""
     figure = Figure(figsize=(9.6, 3.6), layout="constrained")
     axes = figure.subplots()
-    starts = np.arange(0, len(BIN_EDGES_MM) - MERGED_BINS, MERGED_BINS)
-    edges = BIN_EDGES_MM[starts]
+    edges = np.array(HISTOGRAM_EDGES_MM)
     shown = edges[:-1] >= SMALLEST_SHOWN_MM
     largest = max(model.euclidean.largest for model in report.models)
     for model in report.models:
-        counts = np.add.reduceat(np.array(model.histogram[1:]), starts)[:-1]
-        share = 100 * counts / max(sum(model.histogram), 1)
+        share = 100 * np.array(model.histogram[1:]) / max(sum(model.histogram), 1)
         paint = colour(model.name)
         axes.stairs(
             share[shown],
@@ -107,7 +106,7 @@ def histogram_chart(report: Report) -> Figure:
         xlabel="Euclidean error (dashed: 1 mm)",
         ylabel="nodes, %",
     )
-    axes.xaxis.set_major_formatter(FuncFormatter(_millimetres))
+    _label_millimetres(axes.xaxis)
     axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=len(report.models))
     return figure
 
@@ -134,10 +133,15 @@ def estimate_chart(model: ModelErrors) -> Figure:
             ylabel="bound",
         )
         for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_formatter(FuncFormatter(_millimetres))
+            _label_millimetres(axis)
     figure.colorbar(dots, ax=figure.axes, label="load factor", shrink=0.85)
     return figure
 
 
-def _millimetres(value: float, _: object = None) -> str:
-    return f"{value:g} mm"
+def _label_millimetres(axis: Axis) -> None:
+    """Label a logarithmic axis in mm: decades, and 2 and 5 between if it is short."""
+    low, high = axis.get_view_interval()
+    between = (1.0, 2.0, 5.0) if high < SHORT_AXIS * low else (1.0,)
+    axis.set_major_locator(LogLocator(subs=between))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g} mm"))
+    axis.set_minor_formatter(NullFormatter())

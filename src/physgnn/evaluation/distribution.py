@@ -16,6 +16,8 @@ LARGEST_MM = 1e4
 RESOLUTION = 0.0025
 N_BINS = int(np.ceil(np.log(LARGEST_MM / SMALLEST_MM) / np.log1p(RESOLUTION)))
 BIN_EDGES_MM = SMALLEST_MM * (1 + RESOLUTION) ** np.arange(N_BINS + 1)
+MERGED_BINS = 48  # how many bins make one of `histogram`
+HISTOGRAM_EDGES_MM = tuple(BIN_EDGES_MM[::MERGED_BINS].tolist())
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,19 @@ class RunningDistribution:
         inside = (rank - cumulated[bin_ - 1]) / self.counts[bin_]
         value = BIN_EDGES_MM[bin_ - 1] * (1 + RESOLUTION) ** inside
         return float(min(value, self._largest))
+
+    def histogram(self) -> tuple[int, ...]:
+        """Return the count that is zero, then one count a step of 13 %.
+
+        The steps are those of `HISTOGRAM_EDGES_MM`; what lies above them all is in the
+        last.
+        """
+        last = len(HISTOGRAM_EDGES_MM) - 1
+        merged = np.zeros(last + 1, dtype=np.int64)
+        step = np.minimum(1 + np.arange(N_BINS) // MERGED_BINS, last)
+        np.add.at(merged, step, self.counts[1:])
+        merged[0] = self.counts[0]
+        return tuple(merged.tolist())
 
     def summary(self) -> Distribution | None:
         """Return the summary, or None if nothing was added."""

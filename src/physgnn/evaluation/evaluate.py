@@ -124,13 +124,12 @@ class _Gatherer:
         )
 
     def result(self) -> ModelErrors:
-        by_component = self._pooled.components["euclidean"]
         return ModelErrors(
             name=self._name,
             by_component=self._pooled.by_component(),
             by_region=self._pooled.by_region(),
             by_level=self._pooled.by_level(),
-            histogram=tuple(by_component.counts.tolist()),
+            histogram=self._pooled.components["euclidean"].histogram(),
             summary=summarise_samples(self._samples),
             samples=tuple(self._samples),
         )

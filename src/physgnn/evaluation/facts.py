@@ -13,7 +13,9 @@ from physgnn.dataset.store import Store
 from physgnn.evaluation.tables import duration
 from physgnn.geometry.quality import quality
 from physgnn.learning.checkpoint import Checkpoint
+from physgnn.mechanics.materials.table import material_to_config
 
+REGIONS = {0: "brain", 1: "tumour", 2: "ventricle"}
 LIBRARIES = ("physgnn", "numpy", "scipy", "torch", "torch-geometric", "zarr")
 
 
@@ -24,16 +26,16 @@ def case_facts(store: Store) -> dict[str, Any]:
     total = [float(np.linalg.norm(path.forces, axis=1).sum()) for path in loads]
     loaded = np.unique(np.concatenate([path.nodes for path in loads]))
     regions = ", ".join(
-        f"region {region} {mesh.cell_volumes[mesh.region == region].sum() / 1e3:.1f} ml"
-        for region in np.unique(mesh.region)
+        f"{_region(label)} {mesh.cell_volumes[mesh.region == label].sum() / 1e3:.1f} ml"
+        for label in np.unique(mesh.region).tolist()
     )
     return {
         "preset": store.provenance.get("preset", "none"),
         "mesh": f"{mesh.n_points} points, {mesh.n_cells} tetrahedra; {regions}",
         "mesh_quality": str(quality(mesh)).removeprefix("quality: "),
         "materials": "; ".join(
-            f"region {region}: {material}"
-            for region, material in store.materials.items()
+            f"{_region(label)}: {_pairs(material_to_config(material))}"
+            for label, material in store.materials.items()
         ),
         "points": f"{len(store.fixed)} fixed, {len(loaded)} loaded in some path",
         "loads": f"{store.n_paths} load paths of {store.n_levels} levels, up to "
@@ -90,8 +92,13 @@ def provenance_facts(store: Store, checkpoint: Checkpoint, command: str) -> Any:
     }
 
 
+def _region(label: int) -> str:
+    return REGIONS.get(label, f"region {label}")
+
+
 def _pairs(values: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} {value}" for name, value in values.items()) or "none"
+    pairs = (f"{name.replace('_', ' ')} {value}" for name, value in values.items())
+    return ", ".join(pairs) or "none"
 
 
 def _processor() -> str:

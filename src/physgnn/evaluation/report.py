@@ -13,6 +13,11 @@ from physgnn.evaluation.result import ModelErrors, Report
 from physgnn.evaluation.style import colour, label
 from physgnn.evaluation.tables import Table, duration, mm, percent
 
+SPLIT_TITLE = {
+    "published": "on the published split",
+    "path": "on load paths it has never seen",
+    "node": "on loaded nodes it has never seen",
+}
 SPLIT_MEANING = {
     "published": "The published split: all samples shuffled, whatever their load path. "
     "A test sample's neighbours on its own path are almost always in the training set, "
@@ -86,7 +91,7 @@ def report_html(report: Report, pictures: Iterable[Picture]) -> str:
         ),
     )
     body = "".join(_section(title, parts) for title, parts in sections)
-    title = f"{tested} on the split '{report.split}'"
+    title = f"{tested} {SPLIT_TITLE.get(report.split, 'on held-out samples')}"
     style = files("physgnn.evaluation").joinpath("report.css").read_text("utf-8")
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
@@ -104,7 +109,8 @@ def _key_numbers(report: Report) -> str:
     n_paths = len({sample.path for sample in model.samples})
     seconds = report.facts.get("solver_seconds")
     solver = f"finite elements: {duration(seconds)}" if seconds else ""
-    held = f"{model.summary.n_samples} samples of {n_paths} load paths"
+    plural = "s" if n_paths > 1 else ""
+    held = f"{model.summary.n_samples} samples of {n_paths} load path{plural}"
     numbers = [
         ("Mean error", f"{mm(model.euclidean.mean)} mm", held),
         ("Nodes within 1 mm", percent(model.euclidean.within_1mm), ""),
@@ -136,7 +142,7 @@ def _figure(picture: Picture) -> str:
     caption = escape(picture.caption)
     return (
         f'<figure><picture><source srcset="{dark}" '
-        f'media="(prefers-color-scheme: dark) and (not print)">'
+        f'media="screen and (prefers-color-scheme: dark)">'
         f'<img src="{light}" alt="{caption}"></picture>'
         f"<figcaption>{caption}</figcaption></figure>"
     )

@@ -28,8 +28,8 @@ class ModelErrors:
     by_level : tuple of Distribution or None
         Euclidean error at every level; None where no sample was evaluated.
     histogram : tuple of int
-        Counts of Euclidean errors over the bins of `distribution.BIN_EDGES_MM`, those
-        that count as zero first.
+        Counts of Euclidean errors: those that count as zero, then one count a step of
+        `distribution.HISTOGRAM_EDGES_MM`.
     summary : SampleSummary
     samples : tuple of SampleError
         In the order they were evaluated.
