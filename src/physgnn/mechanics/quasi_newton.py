@@ -156,7 +156,7 @@ class QuasiNewton:
 
     def _worn_out(self, size: float, previous: float, since_factor: int) -> bool:
         """Whether a new factor is cheaper than going on (it costs ~20 back-solves)."""
-        return since_factor >= 6 or (since_factor >= 2 and size > previous)
+        return since_factor >= 8 or (since_factor >= 3 and size > previous)
 
 
 def largest_norm(d: FloatArray) -> float:
