@@ -1,5 +1,7 @@
 """Which triangles cross which: exact up to rounding, vectorised over pairs."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -74,7 +76,7 @@ def _chunks(count: IntArray) -> list[tuple[int, int]]:
     while starts[-1] < len(count):
         stop = int(np.searchsorted(total, total[starts[-1]] + CHUNK, side="right")) - 1
         starts.append(min(max(stop, starts[-1] + 1), len(count)))
-    return list(zip(starts[:-1], starts[1:], strict=True))
+    return list(pairwise(starts))
 
 
 def _without_shared(a: IntArray, b: IntArray) -> IntArray:

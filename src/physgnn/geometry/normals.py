@@ -31,7 +31,8 @@ def vertex_normals(surface: Surface) -> FloatArray:
 def area_vectors(points: FloatArray, faces: FaceArray) -> FloatArray:
     """Return the normal of every face with its area for length, shape (n_faces, 3)."""
     a, b, c = np.moveaxis(points[faces], 1, 0)
-    return 0.5 * np.cross(b - a, c - a)
+    vectors: FloatArray = 0.5 * np.cross(b - a, c - a)
+    return vectors
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -11,7 +11,6 @@ import numpy as np
 import pyacvd
 import pymeshfix
 import pyvista as pv
-from nibabel.affines import apply_affine
 from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import marching_cubes
@@ -99,8 +98,8 @@ def _brain_surface(n_points: int) -> Surface:
     closed = ndimage.distance_transform_edt(inside, sampling=VOXEL_MM) > CLOSING_MM
     closed = ndimage.binary_fill_holes(closed)
     smooth = ndimage.gaussian_filter(closed.astype(float), SMOOTHING_MM / VOXEL_MM)
-    voxels, faces, _, _ = marching_cubes(smooth, 0.5)
-    points = apply_affine(affine, voxels - reach)
+    voxels, faces, _, _ = marching_cubes(smooth, 0.5)  # type: ignore[no-untyped-call]
+    points = (voxels - reach) @ affine[:3, :3].T + affine[:3, 3]
     fine = pv.PolyData.from_regular_faces(points, faces)
     coarse = _uniform(fine, n_points)
     fixer = pymeshfix.MeshFix(coarse.points, coarse.regular_faces)
@@ -114,7 +113,8 @@ def _uniform(fine: pv.PolyData, n_points: int) -> pv.PolyData:
         warnings.filterwarnings("ignore", category=pv.PyVistaDeprecationWarning)
         clusters = pyacvd.Clustering(fine)
         clusters.cluster(n_points)
-        return clusters.create_mesh()
+        coarse: pv.PolyData = clusters.create_mesh()
+    return coarse
 
 
 def _brain_mask() -> tuple[NDArray[np.bool_], FloatArray]:
@@ -137,4 +137,4 @@ def _outermost(surface: Surface, direction: FloatArray) -> FloatArray:
 def _sphere(centre: FloatArray, radius: float) -> Surface:
     """Return an icosphere of 162 points: edges of 3.3 mm at 11 mm radius."""
     sphere = pv.Icosphere(radius=radius, center=centre, nsub=2)
-    return Surface(sphere.points, sphere.regular_faces)
+    return Surface(sphere.points, sphere.regular_faces.astype(np.int32))

@@ -76,7 +76,8 @@ class HalfSpace:
         """Return z' of every point, mm."""
         a, b = np.deg2rad(self.rotation_deg)
         third_row = np.array([-np.cos(a) * np.sin(b), np.sin(a), np.cos(a) * np.cos(b)])
-        return points @ third_row + self.offset_mm[2]
+        height: FloatArray = points @ third_row + self.offset_mm[2]
+        return height
 
     def select(self, surface: Surface) -> IntArray:
         """Return the points of the faces whose three points all satisfy the rule."""

@@ -116,7 +116,7 @@ def check_quality(mesh: TetMesh, floor: float = DEFAULT_FLOOR) -> Quality:
         below = int((mean_ratio(mesh) < floor).sum())
         raise InputError(
             f"{below} of {mesh.n_cells} cells are flatter than the floor, mean ratio "
-            f"{floor:g} (worst {found.mean_ratio_min:.3g}, cell {found.worst_cell} near "
+            f"{floor:g} (worst: cell {found.worst_cell}, {found.mean_ratio_min:.3g}, near "
             f"({where[0]:.1f}, {where[1]:.1f}, {where[2]:.1f}) mm): remesh the surface "
             "there more evenly, or allow smaller cells"
         )

@@ -115,4 +115,4 @@ def merge(surfaces: list[Surface]) -> Surface:
 def merge_points(points: FloatArray, faces: FaceArray) -> Surface:
     """Return a surface in which equal points are one, sorted by (x, y, z)."""
     unique, index = np.unique(points, axis=0, return_inverse=True)
-    return Surface(unique, index.reshape(-1)[faces])
+    return Surface(unique, index.reshape(-1)[faces].astype(np.int32))

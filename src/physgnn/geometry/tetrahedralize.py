@@ -77,7 +77,13 @@ def tetrahedralize(
         return result
 
     if target_points is not None:
-        return _mesh_near(target_points, mesh, paper_max_volume(complex_))
+        found = _mesh_near(target_points, mesh, paper_max_volume(complex_))
+        if abs(np.log(found.n_points / target_points)) > TARGET_TOLERANCE:
+            log(
+                f"{found.n_points} points is the nearest to {target_points} found: the "
+                f"{complex_.n_points} points of the surfaces are kept"
+            )
+        return found
     if max_volume_mm3 is None:
         return mesh(paper_max_volume(complex_))
     if not 0 < max_volume_mm3 < np.inf:

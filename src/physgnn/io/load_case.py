@@ -81,10 +81,7 @@ def _load_case(content: Any, mesh: TetMesh, snap_mm: float) -> LoadCase:
             _rows(content["points"], "points"), forces, mesh, snap_mm
         )
     else:
-        nodes = np.asarray(content["nodes"], dtype=object)
-        if not all(type(node) is int for node in nodes.ravel()):
-            raise InputError("nodes must be a list of whole numbers")
-        nodes = nodes.astype(np.int64)
+        nodes = _whole_numbers(content["nodes"])
     case = LoadCase(nodes, forces)
     case.check_against(mesh, np.empty(0, dtype=np.int64))
     return case
@@ -114,6 +111,13 @@ def _snapped(
     total = np.zeros((len(nodes), 3))
     np.add.at(total, index, forces)
     return nodes, total
+
+
+def _whole_numbers(value: Any) -> NDArray[np.int64]:
+    # bool passes for int in Python, but true is no node
+    if not isinstance(value, list) or not all(type(node) is int for node in value):
+        raise InputError("nodes must be a list of whole numbers")
+    return np.array(value, dtype=np.int64)
 
 
 def _rows(value: Any, name: str) -> NDArray[np.float64]:

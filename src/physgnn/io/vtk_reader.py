@@ -1,32 +1,43 @@
 """VTK's readers, made to raise instead of writing to standard error."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import pyvista as pv
+from vtkmodules.vtkIOGeometry import vtkOBJReader
+from vtkmodules.vtkIOPLY import vtkPLYReader
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 from physgnn.errors import InputError
 
+READERS: Mapping[str, Any] = {
+    ".obj": vtkOBJReader,
+    ".ply": vtkPLYReader,
+    ".vtp": vtkXMLPolyDataReader,
+    ".vtu": vtkXMLUnstructuredGridReader,
+}
+
 
 def read_vtk(path: Path) -> pv.DataSet:
-    """Read a file that VTK can read.
+    """Read a file by the VTK reader of its suffix.
+
+    PyVista's own reader logs what VTK complains of; here it is the error's message.
 
     Raises
     ------
     InputError
-        With VTK's first complaint, if it has one.
+        With VTK's complaint, if it has one.
     """
+    reader = READERS[path.suffix.lower()]()
+    reader.SetFileName(str(path))
     catcher = pv.VtkErrorCatcher(send_to_logging=False)
-    try:
-        with catcher:
-            data = pv.read(path)
-    except (OSError, ValueError, RuntimeError) as error:
-        raise _unreadable(path, str(error)) from error
+    with pv.vtk_verbosity("off"), catcher:
+        reader.Update()
     if catcher.error_events:
-        raise _unreadable(path, catcher.error_events[0].alert)
-    return data
-
-
-def _unreadable(path: Path, reason: str) -> InputError:
-    kind = path.suffix[1:].upper()
-    line = " ".join(reason.split())
-    return InputError(f"{path}: cannot be read as {kind} ({line}): export it again")
+        reason = " ".join(catcher.error_events[0].alert.split()).split(" (0x")[0]
+        raise InputError(
+            f"{path}: cannot be read as {path.suffix[1:].upper()} ({reason}): export "
+            "it again"
+        )
+    return pv.wrap(reader.GetOutput())
