@@ -4,7 +4,6 @@ Each step leaves its result under its final name only when it is whole, so a sec
 does what is missing and nothing else.
 """
 
-import json
 import os
 import shutil
 from collections.abc import Callable
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING
 from physgnn import stages
 from physgnn.dataset import Store
 from physgnn.geometry import mni152_phantom
-from physgnn.io import read_mesh, write_mesh
+from physgnn.io import read_mesh, write_load_case, write_mesh
 from physgnn.progress import Progress
 
 if TYPE_CHECKING:
@@ -126,9 +125,7 @@ def _predict(
         return
     sample = report.models[-1].samples[-1]
     case = store.load_case(sample.path, sample.level)
-    load.write_text(
-        json.dumps({"nodes": case.nodes.tolist(), "forces_n": case.forces.tolist()})
-    )
+    write_load_case(load, case)
     with show("predicting"):
         stages.predict(run, load, out, linear=True)
 

@@ -98,7 +98,7 @@ def simulate(
         Path | None, typer.Option(help="TOML with point sets, materials and loads.")
     ] = None,
     workers: Annotated[
-        int, typer.Option(help="Processes on this machine.")
+        int, typer.Option(min=1, help="Processes on this machine.")
     ] = os.cpu_count() or 1,
     scheduler: Annotated[
         str | None, typer.Option(help="Dask scheduler, tcp://…, instead of workers.")

@@ -1,0 +1,142 @@
+"""The command line: the whole way on a small block, and one line for every mistake."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from physgnn.cli import main
+from physgnn.dataset import Store
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io import write_load_case, write_mesh
+
+LOADS = """
+[materials.brain]
+youngs_modulus_pa = 3000
+poissons_ratio = 0.4
+[materials.tumour]
+youngs_modulus_pa = 7500
+poissons_ratio = 0.4
+[loads]
+total_force_n = 0.02
+paths = 10
+levels = 2
+nodes_per_path = 3
+"""
+TRAINING = "max_epochs = 2\nbatch_size = 4\n[options]\nwidth = 8\n"
+
+STEPS = ("mesh", "simulate", "train", "evaluate", "predict")
+
+Call = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Call:
+    """Call the command line; return exit code, standard output, standard error."""
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr("sys.argv", ["physgnn", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        printed = capsys.readouterr()
+        code = ended.value.code
+        return (code if isinstance(code, int) else 0), printed.out, printed.err
+
+    return run
+
+
+@pytest.fixture
+def folder(tmp_path: Path, block: TetMesh) -> Path:
+    """A folder with a mesh and settings."""
+    write_mesh(tmp_path / "case.vtu", block)
+    (tmp_path / "loads.toml").write_text(LOADS)
+    (tmp_path / "training.toml").write_text(TRAINING)
+    return tmp_path
+
+
+def test_help_lists_the_commands(call: Call) -> None:
+    code, out, _ = call("--help")
+    assert code == 0
+    for name in (*STEPS, "published", "demo"):
+        assert f"\n  {name} " in out
+
+
+@pytest.mark.slow
+def test_from_mesh_to_prediction(call: Call, folder: Path) -> None:
+    store, run = folder / "loads.zarr", folder / "run"
+    simulate = ("simulate", folder / "case.vtu", "--loads", folder / "loads.toml")
+    code, out, err = call(*simulate, "--workers", 1, "-o", store)
+    assert (code, "10 load paths solved now, 0 pending" in out) == (0, True), err
+    before = Store.open(store).content_hash()
+    code, out, _ = call(*simulate, "-o", store)
+    assert (code, "0 load paths solved now" in out) == (0, True)
+    assert Store.open(store).content_hash() == before
+
+    config = folder / "training.toml"
+    code, out, err = call("train", store, "--config", config, "--seed", 3, "-o", run)
+    assert (code, "validation loss" in out) == (0, True), err
+    assert json.loads((run / "run.json").read_text())["config"]["seed"] == 3
+
+    code, out, err = call("evaluate", run)
+    assert (code, "Linear" in out) == (0, True), err
+    assert (run / "evaluation-path" / "report.html").is_file()
+    assert (run / "evaluation-path" / "metrics.json").is_file()
+
+    case = Store.open(store).load_case(0, 1)
+    write_load_case(folder / "load.json", case)
+    code, out, err = call(
+        "predict",
+        run,
+        "--load",
+        folder / "load.json",
+        "-o",
+        folder / "out.vtu",
+        "--linear",
+    )
+    assert (code, "largest displacement" in out) == (0, True), err
+    assert (folder / "out.vtu").is_file()
+
+
+def test_mistakes_are_one_line_and_leave_nothing(call: Call, folder: Path) -> None:
+    case, loads, out = folder / "case.vtu", folder / "loads.toml", folder / "result"
+    (folder / "wrong.toml").write_text(LOADS.replace("paths", "path"))
+    for arguments, message in (
+        (("mesh",), "give --brain, or --mni152"),
+        (("mesh", "--brain", folder / "no.stl"), "no.stl"),
+        (("simulate", case), "give --preset or --loads"),
+        (("simulate", case, "--preset", "paper-3"), "no preset 'paper-3' (there are:"),
+        (("simulate", folder / "no.vtu", "--loads", loads), "no.vtu"),
+        (("simulate", loads, "--loads", loads), "loads.toml"),
+        (("simulate", case, "--loads", folder / "wrong.toml"), "unknown key 'path'"),
+        (("simulate", case, "--loads", loads, "--workers", 0), "0 is not in the range"),
+        (("train", folder / "no.zarr"), "no.zarr is not a dataset store"),
+        (("train", case, "--model", "oracle"), "model must be one of"),
+        (("predict", folder / "no-run", "--load", loads), "no-run is no finished run"),
+    ):
+        code, printed, err = call(*arguments, "-o", out)
+        assert (code, printed) == (2, ""), (arguments, err)
+        lines = [line for line in err.splitlines() if line.strip()]
+        assert message in lines[-1], (arguments, err)
+        assert "Traceback" not in err
+        assert not out.exists(), arguments
+
+
+def test_evaluating_no_run(call: Call, folder: Path) -> None:
+    code, _, err = call("evaluate", folder)
+    assert code == 2
+    assert "is no run folder" in err
+
+
+def test_published(call: Call, shared: Path) -> None:
+    paper = shared / "paper"
+    options = ("--golden", paper / "golden_forward.npz", "--configuration", 3)
+    code, out, err = call("published", paper / "config3_dataset2.pt", *options)
+    assert code == 0, err
+    assert float(out.split()[-2]) < 1e-4
+    code, _, err = call("published", paper / "golden_forward.npz", *options)
+    assert code == 2
+    options = ("--golden", paper / "brain.stl")
+    code, _, err = call("published", paper / "config3_dataset2.pt", *options)
+    assert code == 2
+    assert "must be an .npz file with points, cells" in err
