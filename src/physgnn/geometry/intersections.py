@@ -92,25 +92,43 @@ def _meet(points: FloatArray, a: IntArray, b: IntArray) -> NDArray[np.bool_]:
 
     Convex sets are apart if and only if their projections on some axis are: a normal,
     the product of two edges, or, for sets in one plane, a normal times an edge. Edges
-    and points pass as triangles with repeated corners.
+    and points pass as triangles with repeated corners. Each axis is tried on the
+    pairs that none before it has separated.
     """
     p, q = points[a], points[b]
-    origin = q[:, :1]
+    origin = q[:, :1].copy()
     p, q = p - origin, q - origin
-    edges_p, edges_q = np.roll(p, -1, axis=1) - p, np.roll(q, -1, axis=1) - q
-    normals = [np.cross(e[:, 0], e[:, 1]) for e in (edges_p, edges_q)]
-    apart = np.zeros(len(p), dtype=bool)
-    axes = list(normals)
-    axes += [np.cross(edges_p[:, i], edges_q[:, j]) for i in range(3) for j in range(3)]
-    axes += [
-        np.cross(normal, edges[:, i])
-        for normal in normals
-        for edges in (edges_p, edges_q)
-        for i in range(3)
-    ]
-    for axis in axes:
-        on_p = np.einsum("ijk,ik->ij", p, axis)
-        on_q = np.einsum("ijk,ik->ij", q, axis)
-        apart |= on_p.max(axis=1) < on_q.min(axis=1)
-        apart |= on_q.max(axis=1) < on_p.min(axis=1)
-    return ~apart
+    left = np.arange(len(p))
+    for first, second, plane in AXES:
+        axis = _axis(p[left], q[left], first, second, plane)
+        on_p = np.einsum("ijk,ik->ij", p[left], axis)
+        on_q = np.einsum("ijk,ik->ij", q[left], axis)
+        meet = (on_p.max(axis=1) >= on_q.min(axis=1)) & (
+            on_q.max(axis=1) >= on_p.min(axis=1)
+        )
+        left = left[meet]
+    result = np.zeros(len(p), dtype=bool)
+    result[left] = True
+    return result
+
+
+def _axis(
+    p: FloatArray, q: FloatArray, first: int, second: int, plane: int
+) -> FloatArray:
+    """Return edge × edge, or (edge × edge) × edge; edges 0–2 are p's, 3–5 q's."""
+
+    def edge(i: int) -> FloatArray:
+        corners, i = (p, i) if i < 3 else (q, i - 3)
+        return corners[:, (i + 1) % 3] - corners[:, i]
+
+    axis = np.cross(edge(first), edge(second))
+    return axis if plane < 0 else np.cross(axis, edge(plane))
+
+
+# Normals first: they separate most neighbours.
+NORMALS = [(0, 1), (3, 4)]
+AXES = [
+    *((i, j, -1) for i, j in NORMALS),
+    *((i, j, -1) for i in range(3) for j in range(3, 6)),
+    *((i, j, k) for i, j in NORMALS for k in range(6)),
+]

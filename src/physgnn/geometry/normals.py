@@ -37,4 +37,4 @@ def area_vectors(points: FloatArray, faces: FaceArray) -> FloatArray:
 
 def _unit(vectors: FloatArray) -> FloatArray:
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+    return vectors / np.where(length > 0, length, 1.0)

@@ -112,13 +112,13 @@ def check_quality(mesh: TetMesh, floor: float = DEFAULT_FLOOR) -> Quality:
         raise InputError(f"the quality floor must be in [0, 1) (got {floor})")
     found = quality(mesh)
     if found.mean_ratio_min < floor:
-        where = mesh.points[mesh.cells[found.worst_cell]].mean(axis=0)
+        x, y, z = mesh.points[mesh.cells[found.worst_cell]].mean(axis=0)
         below = int((mean_ratio(mesh) < floor).sum())
         raise InputError(
             f"{below} of {mesh.n_cells} cells are flatter than the floor, mean ratio "
-            f"{floor:g} (worst: cell {found.worst_cell}, {found.mean_ratio_min:.3g}, near "
-            f"({where[0]:.1f}, {where[1]:.1f}, {where[2]:.1f}) mm): remesh the surface "
-            "there more evenly, or allow smaller cells"
+            f"{floor:g} (worst {found.mean_ratio_min:.3g}: cell {found.worst_cell}, "
+            f"near ({x:.1f}, {y:.1f}, {z:.1f}) mm): remesh the surface there more "
+            "evenly, or allow smaller cells"
         )
     return found
 

@@ -7,13 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from physgnn.errors import InputError
 from physgnn.geometry.intersections import crossing_faces
 from physgnn.geometry.normals import area_vectors
-from physgnn.geometry.surface import Surface, directed_edges, volume
+from physgnn.geometry.surface import Surface, volume
+from physgnn.geometry.topology import edge_counts, orientation, pinched_points
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -46,7 +45,7 @@ def check_surface(surface: Surface, name: str) -> tuple[Surface, list[str]]:
     ------
     InputError
         If it is in other units, has faces without area, open or non-manifold
-        edges, several pieces or no volume, or crosses itself.
+        edges, several pieces or no volume, or touches or crosses itself.
     """
     notes: list[str] = []
     surface = _without_leftovers(surface, name, notes)
@@ -54,14 +53,7 @@ def check_surface(surface: Surface, name: str) -> tuple[Surface, list[str]]:
     _check_areas(surface, name)
     _check_edges(surface, name)
     surface = _oriented(surface, name, notes)
-    crossings = crossing_faces(surface)
-    if len(crossings):
-        a, b = crossings[0]
-        raise InputError(
-            f"{name}: the surface crosses itself at {len(crossings)} pairs of faces "
-            f"(first: faces {a} and {b} near {_place(surface, crossings[0])}): "
-            "repair it, for instance with MeshLab or pymeshfix"
-        )
+    _check_contacts(surface, name)
     return surface, notes
 
 
@@ -148,15 +140,13 @@ def _check_areas(surface: Surface, name: str) -> None:
 
 def _check_edges(surface: Surface, name: str) -> None:
     """Every edge must belong to exactly two faces."""
-    unique, count = np.unique(
-        np.sort(directed_edges(surface.faces), 1), axis=0, return_counts=True
-    )
+    edges, count = edge_counts(surface.faces)
     for wrong, what, remedy in (
         (count == 1, "open", "close the hole"),
         (count > 2, "non-manifold", "keep two faces at each"),
     ):
         if wrong.any():
-            middle = surface.points[unique[wrong][0]].mean(axis=0)
+            middle = surface.points[edges[wrong][0]].mean(axis=0)
             raise InputError(
                 f"{name}: the surface must be closed ({wrong.sum()} {what} edges, the "
                 f"first at {_text(middle)}): {remedy}, for instance with pymeshfix"
@@ -165,10 +155,14 @@ def _check_edges(surface: Surface, name: str) -> None:
 
 def _oriented(surface: Surface, name: str, notes: list[str]) -> Surface:
     """Turn faces so that neighbours agree and all face outward."""
-    flip = _disagreeing_faces(surface, name)
-    if flip.any():
-        notes.append(f"{name}: {flip.sum()} faces disagreed with the rest: turned over")
-        faces = np.where(flip[:, None], surface.faces[:, ::-1], surface.faces)
+    piece, side = orientation(surface.faces)
+    _check_one_piece(surface, name, piece)
+    if (side < 0).any():
+        raise InputError(f"{name}: the surface has one side only, like a Klein bottle")
+    rare = side == (0 if 2 * side.sum() > len(side) else 1)
+    if rare.any():
+        notes.append(f"{name}: {rare.sum()} faces disagreed with the rest: turned over")
+        faces = np.where(rare[:, None], surface.faces[:, ::-1], surface.faces)
         surface = Surface(surface.points, faces)
     enclosed = volume(surface)
     size = float(np.ptp(surface.points, axis=0).max())
@@ -180,36 +174,33 @@ def _oriented(surface: Surface, name: str, notes: list[str]) -> Surface:
     return surface
 
 
-def _disagreeing_faces(surface: Surface, name: str) -> NDArray[np.bool_]:
-    """Return the smaller of the two classes of faces that agree among themselves.
-
-    Each face is two nodes of a graph, as it is and turned over, linked to those of
-    its neighbours that agree. An orientable piece falls into two components.
-    """
-    n = surface.n_faces
-    directed = directed_edges(surface.faces)
-    order = np.lexsort(np.sort(directed, axis=1).T)
-    one, two = order[::2], order[1::2]
-    agree = directed[one, 0] == directed[two, 1]
-    one, two = one % n, two % n
-    ends = np.concatenate([two + n * ~agree, two + n * agree])
-    links = (np.ones(2 * len(one)), (np.concatenate([one, one + n]), ends))
-    _, label = connected_components(coo_array(links, (2 * n, 2 * n)), directed=False)
-    if (label[:n] == label[n:]).any():
-        raise InputError(
-            f"{name}: the surface has one side only (it is not orientable)"
-        )
-    piece = np.minimum(label[:n], label[n:])
-    if len(np.unique(piece)) > 1:
-        pieces, sizes = np.unique(piece, return_counts=True)
+def _check_one_piece(surface: Surface, name: str, piece: IntArray) -> None:
+    pieces, sizes = np.unique(piece, return_counts=True)
+    if len(pieces) > 1:
         smallest = np.flatnonzero(piece == pieces[sizes.argmin()])
         raise InputError(
             f"{name}: the surface must be one piece (it is {len(pieces)}; the smallest "
             f"has {sizes.min()} faces near {_place(surface, smallest)}): remove specks "
             "and cavities, or pass each tumour as a file of its own"
         )
-    flip: NDArray[np.bool_] = label[:n] != label[0]
-    return flip if 2 * flip.sum() <= n else ~flip
+
+
+def _check_contacts(surface: Surface, name: str) -> None:
+    """No two sheets may touch in a point or cross."""
+    pinched = pinched_points(surface.faces)
+    if len(pinched):
+        raise InputError(
+            f"{name}: the surface touches itself in {len(pinched)} points (the first "
+            f"at {_text(surface.points[pinched[0]])}): pull the two sheets apart"
+        )
+    crossings = crossing_faces(surface)
+    if len(crossings):
+        a, b = crossings[0]
+        raise InputError(
+            f"{name}: the surface crosses itself at {len(crossings)} pairs of faces "
+            f"(first: faces {a} and {b} near {_place(surface, crossings[0])}): "
+            "repair it, for instance with MeshLab or pymeshfix"
+        )
 
 
 def _check_apart(a: Surface, b: Surface, name_a: str, name_b: str) -> None:
