@@ -16,7 +16,7 @@ from physgnn.mechanics.element import (
     make_elements,
     strain_energy,
 )
-from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.materials import TISSUES, MooneyRivlin, NeoHookean
 
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
 MESH = block_mesh(2, jitter=0.15)
@@ -131,6 +131,20 @@ def test_an_inverted_cell_is_named():
     J = np.linalg.det(deformation_gradient(MESH, u))
     assert inverted == np.flatnonzero(J <= 0)[0]
     assert strain_energy(ELEMENTS, u) == np.inf
+
+
+def test_every_cell_follows_its_own_law():
+    """Forces of a body of two laws are those of its two halves, each of one law."""
+    brain, gel = TISSUES["brain-ogden"].material, MooneyRivlin(300.0, 200.0, 2e4)
+    u = wobble(5)
+    for first, second in ((brain, gel), (MATERIALS[0], brain), (gel, MATERIALS[0])):
+        mixed = make_elements(MESH, {0: first, 1: second})
+        halves = np.zeros_like(u)
+        for label, material in ((0, first), (1, second)):
+            inside = MESH.region == label
+            half = type(MESH)(MESH.points, MESH.cells[inside], MESH.region[inside])
+            halves += internal_force(make_elements(half, {label: material}), u)[0]
+        np.testing.assert_allclose(internal_force(mixed, u)[0], halves, atol=1e-15)
 
 
 def test_a_region_without_material_is_refused():

@@ -8,14 +8,27 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from physgnn.errors import InputError
-from physgnn.mechanics.materials import NeoHookean, table
+from physgnn.mechanics.materials import (
+    TISSUES,
+    MooneyRivlin,
+    NeoHookean,
+    Ogden,
+    table,
+)
 from physgnn.mechanics.materials.table import (
     LAW_INDEX,
     material_from_config,
     material_to_config,
 )
 
-MATERIALS = [NeoHookean(3000.0, 0.49), NeoHookean(7500.0, 0.3)]
+MATERIALS = [
+    NeoHookean(3000.0, 0.49),
+    NeoHookean(7500.0, 0.3),
+    MooneyRivlin(300.0, 200.0, 20_000.0),
+    MooneyRivlin(0.0, 500.0, 1_000.0),
+    Ogden((1684.0,), (-4.7,), 41_841.0),
+    Ogden((800.0, -150.0, 90.0), (2.0, -2.0, 9.5), 5_000.0),
+]
 
 
 def energy(material, F):
@@ -130,6 +143,94 @@ def test_neo_hookean_simple_shear_in_closed_form(shear):
     np.testing.assert_allclose(cauchy, expected, atol=1e-12)
 
 
+TERMS = {"coefficients_pa": (800.0, 200.0), "exponents": (2.0, -2.0)}
+AS_MOONEY = MooneyRivlin(200.0, 50.0, 20_000.0)
+AS_OGDEN = Ogden(**TERMS, bulk_modulus_pa=20_000.0)
+
+
+def ogden_difference(material: Ogden, one, two):
+    """τ₁ − τ₂ = Σ c/m (λ̃₁^m − λ̃₂^m), MPa, of Ogden's law by hand."""
+    pairs = zip(material.coefficients_pa, material.exponents, strict=True)
+    return 1e-6 * sum(c / m * (one**m - two**m) for c, m in pairs)
+
+
+@pytest.mark.parametrize("material", MATERIALS[4:])
+@given(stretch=st.floats(0.6, 1.8))
+def test_ogden_uniaxial_stress_in_closed_form(material, stretch):
+    """Sides free: k ln J = ⅓ (τ₁ − τ₂), and all of τ₁ − τ₂ is axial."""
+    k = 1e-6 * material.bulk_modulus_pa
+
+    def difference(t):
+        root = (stretch * t * t) ** (1 / 3)
+        return ogden_difference(material, stretch / root, t / root)
+
+    def side_stress(t):
+        return k * np.log(stretch * t * t) - difference(t) / 3
+
+    t = brentq(side_stress, 0.3, 2.0, xtol=1e-15)
+    P = stress(material, np.diag([stretch, t, t]))
+    expected = np.diag([difference(t) / stretch, 0, 0])
+    np.testing.assert_allclose(P, expected, atol=1e-10 * (k + np.abs(P).max()))
+
+
+@pytest.mark.parametrize("material", MATERIALS[4:])
+@given(shear=st.floats(-1.2, 1.2))
+def test_ogden_simple_shear_in_closed_form(material, shear):
+    """Stretches s, 1, 1/s with s = γ/2 + √(1 + γ²/4); σ₁₂ = (τ₁ − τ₂)/(s + 1/s)."""
+    F = np.eye(3)
+    F[0, 1] = shear
+    s = shear / 2 + np.sqrt(1 + shear**2 / 4)
+    cauchy = stress(material, F) @ F.T
+    expected = ogden_difference(material, s, 1 / s) / (s + 1 / s)
+    assert cauchy[0, 1] == pytest.approx(expected, rel=1e-9, abs=1e-15)
+    assert np.trace(cauchy) == pytest.approx(0.0, abs=1e-12)
+
+
+@given(shear=st.floats(-1.5, 1.5))
+def test_mooney_rivlin_simple_shear_in_closed_form(shear):
+    """σ₁₂ = μ γ, σ₁₁ − σ₃₃ = 2 c₁ γ², σ₂₂ − σ₃₃ = −2 c₂ γ²."""
+    F = np.eye(3)
+    F[0, 1] = shear
+    cauchy = stress(AS_MOONEY, F) @ F.T
+    c1, c2 = 1e-6 * AS_MOONEY.c1_pa, 1e-6 * AS_MOONEY.c2_pa
+    assert cauchy[0, 1] == pytest.approx(2 * (c1 + c2) * shear, rel=1e-10)
+    assert cauchy[0, 0] - cauchy[2, 2] == pytest.approx(2 * c1 * shear**2, abs=1e-15)
+    assert cauchy[1, 1] - cauchy[2, 2] == pytest.approx(-2 * c2 * shear**2, abs=1e-15)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("stretches", [(1.0, 1.0, 1.0), (1.3, 1.3, 0.7), (0.8,) * 3])
+def test_ogden_is_exact_where_stretches_meet(stretches, gap):
+    """Exponents 2 and −2 make Mooney–Rivlin's law, which knows no principal axes."""
+    Q = Rotation.random(random_state=1).as_matrix()
+    R = Rotation.random(random_state=2).as_matrix()
+    F = Q @ np.diag(np.array(stretches) * [1 + gap, 1, 1 - gap]) @ R
+    assert energy(AS_OGDEN, F) == pytest.approx(energy(AS_MOONEY, F), rel=1e-9)
+    for quantity in (stress, tangent):
+        expected = quantity(AS_MOONEY, F)
+        np.testing.assert_allclose(
+            quantity(AS_OGDEN, F), expected, atol=1e-12 * np.abs(expected).max() + 1e-17
+        )
+
+
+@given(seed=st.integers(0, 10_000))
+def test_ogden_contains_mooney_rivlin(seed):
+    F = deformation(seed)
+    expected = tangent(AS_MOONEY, F)
+    np.testing.assert_allclose(
+        tangent(AS_OGDEN, F), expected, atol=1e-11 * np.abs(expected).max()
+    )
+
+
+@pytest.mark.parametrize("name", TISSUES)
+def test_every_tissue_names_its_source_and_is_stable(name):
+    tissue = TISSUES[name]
+    assert len(tissue.source) > 20
+    assert tissue.material.mu > 0
+    assert tissue.material.lam + 2 * tissue.material.mu / 3 > 0
+    assert material_from_config(material_to_config(tissue.material)) == tissue.material
+
+
 @pytest.mark.parametrize("material", MATERIALS)
 def test_config_round_trip(material):
     assert material_from_config(material_to_config(material)) == material
@@ -146,6 +247,23 @@ def test_config_round_trip(material):
         ),
         ({"youngs_modulus_pa": -1.0, "poissons_ratio": 0.4}, "must be > 0"),
         ({"youngs_modulus_pa": 3000.0, "poissons_ratio": 0.5}, "poissons_ratio"),
+        (
+            {"law": "mooney-rivlin", "c1_pa": 0, "c2_pa": 0, "bulk_modulus_pa": 1},
+            "c1_pa \\+ c2_pa must be > 0",
+        ),
+        (
+            {"law": "mooney-rivlin", "c1_pa": -1, "c2_pa": 9, "bulk_modulus_pa": 1},
+            "must be ≥ 0",
+        ),
+        ({"law": "ogden", **TERMS, "bulk_modulus_pa": 0.0}, "bulk_modulus_pa"),
+        (
+            {"law": "ogden", **TERMS, "exponents": (2.0,), "bulk_modulus_pa": 1},
+            "1 to 3 pairs",
+        ),
+        (
+            {"law": "ogden", **TERMS, "exponents": (2.0, 0.0), "bulk_modulus_pa": 1},
+            "not 0",
+        ),
     ],
 )
 def test_a_wrong_material_is_refused(values, message):

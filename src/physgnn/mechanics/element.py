@@ -119,21 +119,35 @@ def _kinematics(cell, gradient, u, F, H):  # type: ignore[no-untyped-def]
     return J
 
 
+@njit(cache=True, inline="always")
+def _add_force(cell, gradient, volume, P, force):  # type: ignore[no-untyped-def]
+    for a in range(4):
+        for i in range(3):
+            force[cell[a], i] += volume * (
+                P[i, 0] * gradient[a, 0]
+                + P[i, 1] * gradient[a, 1]
+                + P[i, 2] * gradient[a, 2]
+            )
+
+
 @njit(cache=True)
 def _internal_force(cells, gradients, volumes, law, constants, u, force):  # type: ignore[no-untyped-def]
     F, H, P = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    for e in range(len(cells)):
+    e = 0
+    # The first law has a loop of its own: choosing among laws costs a sixth of it.
+    while e < len(cells) and law[e] == 0:
+        J = _kinematics(cells[e], gradients[e], u, F, H)
+        if not J > 0.0:
+            return e
+        table.stress(0, F, H, J, constants[e], P)
+        _add_force(cells[e], gradients[e], volumes[e], P, force)
+        e += 1
+    for e in range(e, len(cells)):  # noqa: B020
         J = _kinematics(cells[e], gradients[e], u, F, H)
         if not J > 0.0:
             return e
         table.stress(law[e], F, H, J, constants[e], P)
-        for a in range(4):
-            for i in range(3):
-                force[cells[e, a], i] += volumes[e] * (
-                    P[i, 0] * gradients[e, a, 0]
-                    + P[i, 1] * gradients[e, a, 1]
-                    + P[i, 2] * gradients[e, a, 2]
-                )
+        _add_force(cells[e], gradients[e], volumes[e], P, force)
     return -1
 
 

@@ -58,13 +58,13 @@ class NeoHookean:
 
     @property
     def constants(self) -> NDArray[np.float64]:
-        """(μ, λ) in MPa, as the kernels take them."""
-        return np.array([self.mu, self.lam])
+        """(λ, μ) in MPa, as the kernels take them."""
+        return np.array([self.lam, self.mu])
 
 
 @njit(cache=True, inline="always")
 def energy(F, J, constants):  # type: ignore[no-untyped-def]  # noqa: D103
-    mu, lam = constants[0], constants[1]
+    lam, mu = constants[0], constants[1]
     I1 = 0.0
     for i in range(3):
         for j in range(3):
@@ -76,7 +76,7 @@ def energy(F, J, constants):  # type: ignore[no-untyped-def]  # noqa: D103
 @njit(cache=True, inline="always")
 def stress(F, H, J, constants, P):  # type: ignore[no-untyped-def]
     """P = μ (F − F⁻ᵀ) + λ ln J F⁻ᵀ, with H = F⁻ᵀ."""
-    mu, lam = constants[0], constants[1]
+    lam, mu = constants[0], constants[1]
     p = lam * np.log(J) - mu
     for i in range(3):
         for j in range(3):
@@ -86,7 +86,7 @@ def stress(F, H, J, constants, P):  # type: ignore[no-untyped-def]
 @njit(cache=True, inline="always")
 def tangent(F, H, J, constants, A):  # type: ignore[no-untyped-def]  # noqa: ARG001
     """∂P/∂F: A_iJkL = μ δ_ik δ_JL + (μ − λ ln J) H_iL H_kJ + λ H_iJ H_kL."""
-    mu, lam = constants[0], constants[1]
+    lam, mu = constants[0], constants[1]
     q = mu - lam * np.log(J)
     for i in range(3):
         for j in range(3):

@@ -1,7 +1,11 @@
 """The table of laws, and the one place where kernels choose among them.
 
 A law is a frozen dataclass (its parameters, with units) and three compiled
-functions: energy, stress P and tangent ∂P/∂F. A new law is a file and a row.
+functions: energy, stress P and tangent ∂P/∂F. A new law is a file, a row, and a
+branch in each function here.
+
+In every law the change of volume costs ½ κ (ln J)², and κ is the first constant:
+elements that average the change of volume rely on it.
 """
 
 from collections.abc import Mapping
@@ -13,8 +17,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from physgnn.errors import InputError
-from physgnn.mechanics.materials import neo_hookean
+from physgnn.mechanics.materials import mooney_rivlin, neo_hookean, ogden
+from physgnn.mechanics.materials.mooney_rivlin import MooneyRivlin
 from physgnn.mechanics.materials.neo_hookean import NeoHookean
+from physgnn.mechanics.materials.ogden import Ogden
 
 
 class Material(Protocol):
@@ -25,31 +31,54 @@ class Material(Protocol):
         """Its name in the table."""
 
     @property
+    def mu(self) -> float:
+        """Shear modulus of the rest state, MPa."""
+
+    @property
+    def lam(self) -> float:
+        """Lamé's first parameter of the rest state, MPa."""
+
+    @property
     def constants(self) -> NDArray[np.float64]:
         """Its constants in MPa, as the kernels take them."""
 
 
-LAWS: dict[str, type] = {NeoHookean.law: NeoHookean}
+# In the order of the branches below.
+LAWS: dict[str, type] = {law.law: law for law in (NeoHookean, MooneyRivlin, Ogden)}
 LAW_INDEX = {name: index for index, name in enumerate(LAWS)}
 MAX_CONSTANTS = 8
 
 
-@njit(cache=True)
-def energy(law, F, J, constants):  # type: ignore[no-untyped-def]  # noqa: ARG001
+@njit(cache=True, inline="always")
+def energy(law, F, J, constants):  # type: ignore[no-untyped-def]
     """Return the energy stored in a unit of reference volume, MPa."""
-    return neo_hookean.energy(F, J, constants)
+    if law == 0:
+        return neo_hookean.energy(F, J, constants)
+    if law == 1:
+        return mooney_rivlin.energy(F, J, constants)
+    return ogden.energy(F, J, constants)
 
 
-@njit(cache=True)
-def stress(law, F, H, J, constants, P):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """Fill P, the first Piola–Kirchhoff stress, MPa."""
-    neo_hookean.stress(F, H, J, constants, P)
+@njit(cache=True, inline="always")
+def stress(law, F, H, J, constants, P):  # type: ignore[no-untyped-def]
+    """Fill P, the first Piola–Kirchhoff stress, MPa; H = F⁻ᵀ."""
+    if law == 0:
+        neo_hookean.stress(F, H, J, constants, P)
+    elif law == 1:
+        mooney_rivlin.stress(F, H, J, constants, P)
+    else:
+        ogden.stress(F, H, J, constants, P)
 
 
-@njit(cache=True)
-def tangent(law, F, H, J, constants, A):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """Fill A, the tangent ∂P/∂F, MPa."""
-    neo_hookean.tangent(F, H, J, constants, A)
+@njit(cache=True, inline="always")
+def tangent(law, F, H, J, constants, A):  # type: ignore[no-untyped-def]
+    """Fill A, the tangent ∂P/∂F, MPa; H = F⁻ᵀ."""
+    if law == 0:
+        neo_hookean.tangent(F, H, J, constants, A)
+    elif law == 1:
+        mooney_rivlin.tangent(F, H, J, constants, A)
+    else:
+        ogden.tangent(F, H, J, constants, A)
 
 
 def material_from_config(values: Mapping[str, object]) -> Material:
