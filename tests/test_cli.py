@@ -109,7 +109,7 @@ def test_mistakes_are_one_line_and_leave_nothing(call: Call, folder: Path) -> No
         (("simulate", folder / "no.vtu", "--loads", loads), "no.vtu"),
         (("simulate", loads, "--loads", loads), "loads.toml"),
         (("simulate", case, "--loads", folder / "wrong.toml"), "unknown key 'path'"),
-        (("simulate", case, "--loads", loads, "--workers", 0), "0 is not in the range"),
+        (("simulate", case, "--loads", loads, "--workers", 0), "--workers"),
         (("train", folder / "no.zarr"), "no.zarr is not a dataset store"),
         (("train", case, "--model", "oracle"), "model must be one of"),
         (("predict", folder / "no-run", "--load", loads), "no-run is no finished run"),
