@@ -1,5 +1,6 @@
 """Processes that solve: on this machine, or wherever a Dask scheduler has them."""
 
+import logging
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -41,6 +42,7 @@ def connect(workers: int, scheduler: str | None) -> Iterator[Any]:
             threads_per_worker=1,
             processes=True,
             dashboard_address=None,
+            silence_logs=logging.ERROR,  # a slow goodbye is no news
         ) as cluster,
         Client(cluster) as client,
     ):
