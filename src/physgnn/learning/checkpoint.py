@@ -12,6 +12,7 @@ from safetensors.torch import load_file, save_file
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
+from physgnn.io.atomic import whole_file
 from physgnn.learning.interface import Body, Model
 from physgnn.learning.models import build_model
 from physgnn.mechanics.materials.table import material_from_config, material_to_config
@@ -48,10 +49,7 @@ class Checkpoint:
         run.mkdir(parents=True, exist_ok=True)
         body = self.body
         if not (run / CASE).exists():
-            mesh = body.mesh.with_point_sets(**{FIXED: body.fixed})
-            part = run / f"part-{CASE}"
-            write_mesh(part, mesh)
-            part.replace(run / CASE)
+            write_mesh(run / CASE, body.mesh.with_point_sets(**{FIXED: body.fixed}))
         record = {
             "format_version": FORMAT_VERSION,
             "mesh_hash": body.mesh.content_hash,
@@ -61,12 +59,11 @@ class Checkpoint:
             },
             **self.record,
         }
-        part = run / f"{WEIGHTS}.part"
-        save_file({k: v.contiguous() for k, v in self.model.state_dict().items()}, part)
-        part.replace(run / WEIGHTS)
-        part = run / f"{RECORD}.part"
-        part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
-        part.replace(run / RECORD)
+        state = {k: v.contiguous() for k, v in self.model.state_dict().items()}
+        with whole_file(run / WEIGHTS) as part:
+            save_file(state, part)
+        with whole_file(run / RECORD) as part:
+            part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
 
     @classmethod
     def load(cls, run: str | Path) -> Self:
