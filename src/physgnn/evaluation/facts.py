@@ -14,6 +14,7 @@ from physgnn.evaluation.tables import duration
 from physgnn.geometry.quality import quality
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.mechanics.materials.table import material_to_config
+from physgnn.prediction.calibration import Calibration
 
 REGIONS = {0: "brain", 1: "tumour", 2: "ventricle"}
 LIBRARIES = ("physgnn", "numpy", "scipy", "torch", "torch-geometric", "zarr")
@@ -59,6 +60,21 @@ def model_facts(checkpoint: Checkpoint) -> dict[str, Any]:
         "optimiser": _pairs(
             {k: v for k, v in config.items() if k not in ("model", "options")}
         ),
+    }
+
+
+def bound_facts(calibration: Calibration | None) -> dict[str, Any]:
+    """Return what the error bounds promise and what they rest on."""
+    if calibration is None:
+        return {}
+    loads = calibration.trained_range
+    return {
+        "promise": f"{100 * calibration.coverage:.0f} % of new load paths like those trained "
+        "on, each bound for itself",
+        "calibrated_on": f"{calibration.n_samples} validation samples of "
+        f"{calibration.n_paths} load paths, by the {calibration.indicator}",
+        "trained_range": f"{len(loads.nodes)} nodes, up to {loads.total_force_n:.3g} N "
+        f"in all and {loads.nodal_force_n:.3g} N on one",
     }
 
 

@@ -30,6 +30,7 @@ from physgnn.evaluation.style import (
 from physgnn.prediction.prediction import Predict
 
 DPI = 160
+WIDTH, AROUND_PANELS = 9.6, 1.1  # inches; height of titles and colour bars
 SATURATED = 99.5  # percentile where colours end: a few loaded points move much more
 
 
@@ -205,9 +206,12 @@ def _panels(
     images: tuple[Image, ...], titles: tuple[str, ...]
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure with one image beside the other, their margins cut off."""
-    made = Figure(figsize=(9.6, 8.6 / len(images)), layout="constrained")
+    cropped = _cropped(images)
+    rows, columns = cropped[0].shape[:2]
+    height = WIDTH / len(images) * rows / columns + AROUND_PANELS
+    made = Figure(figsize=(WIDTH, height), layout="constrained")
     axes = [made.add_subplot(1, len(images), i + 1) for i in range(len(images))]
-    for panel, image, title in zip(axes, _cropped(images), titles, strict=True):
+    for panel, image, title in zip(axes, cropped, titles, strict=True):
         panel.imshow(image)
         panel.set_title(title, loc="center")
         panel.axis("off")

@@ -12,6 +12,7 @@ from physgnn.evaluation.figures import Picture
 from physgnn.evaluation.result import ModelErrors, Report
 from physgnn.evaluation.style import colour, label
 from physgnn.evaluation.tables import Table, duration, mm, percent
+from physgnn.prediction.prediction import PredictionStatus
 
 SPLIT_TITLE = {
     "published": "on the published split",
@@ -75,7 +76,10 @@ def report_html(report: Report, pictures: Iterable[Picture]) -> str:
                 shown.get("error_histogram"),
             ),
         ),
-        ("Error bounds", (_bounds(model), shown.get("error_bound"))),
+        (
+            "Error bounds",
+            (_bounds(model), facts.get("bounds", ""), shown.get("error_bound")),
+        ),
         ("The worst case", (shown.get("worst_case"),)),
         (
             "Beside the publication",
@@ -172,14 +176,22 @@ def _row(row: tuple[str, ...], names: Mapping[str, str], tested: str) -> str:
 
 def _bounds(model: ModelErrors) -> str:
     """Say what the error bounds promised and how often they held."""
-    samples = [s for s in model.samples if s.estimate_largest is not None]
-    if not samples:
+    estimated = [s for s in model.samples if s.estimate_largest is not None]
+    if not estimated:
         return "<p>This model has not been calibrated: it gives no error bounds.</p>"
-    held = sum(s.largest <= (s.estimate_largest or 0.0) for s in samples)
+    inside = [s for s in estimated if s.status == PredictionStatus.OK.name]
+    held = sum(s.largest <= (s.estimate_largest or 0.0) for s in inside)
+    kept = (
+        f"inside, the bound on the largest error held in {percent(held / len(inside))} "
+        f"of {len(inside)}"
+        if inside
+        else "so the promise was not put to the test"
+    )
     return (
         "<p>Every prediction carries a bound on its mean and its largest error, "
-        "calibrated on validation samples. The bound on the largest error held in "
-        f"{percent(held / len(samples))} of {len(samples)} test samples.</p>"
+        "calibrated on validation samples, and says whether its load lies outside the "
+        f"trained range, where nothing is promised. {len(estimated) - len(inside)} of "
+        f"{len(estimated)} test samples lay outside; {kept}.</p>"
     )
 
 

@@ -11,6 +11,7 @@ from physgnn.errors import InputError
 from physgnn.evaluation.baselines import baselines
 from physgnn.evaluation.evaluate import evaluate
 from physgnn.evaluation.facts import (
+    bound_facts,
     case_facts,
     model_facts,
     provenance_facts,
@@ -74,6 +75,7 @@ def evaluate_run(
     report = report.with_facts(
         case=case_facts(store),
         model=model_facts(checkpoint),
+        bounds=bound_facts(predictor.calibration),
         time=time_facts(store, solver_seconds, model_seconds),
         provenance=provenance_facts(store, checkpoint, command),
         solver_seconds=solver_seconds,

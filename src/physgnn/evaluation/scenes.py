@@ -15,7 +15,7 @@ FloatArray = NDArray[np.float64]
 Image = NDArray[np.uint8]
 
 TUMOUR_REGION = 1
-SIZE = (1000, 860)  # pixels
+SIZE = (1200, 1100)  # pixels
 ARROW_SHARE = 0.18  # longest force arrow over the size of the body, one arrow alone
 
 
@@ -203,7 +203,7 @@ def _shot(
     plotter.camera.focal_point = centre
     plotter.camera.position = centre + 3 * _diameter(mesh) * towards
     plotter.camera.up = up
-    plotter.camera.parallel_scale = 0.36 * _diameter(mesh)
+    plotter.camera.parallel_scale = 0.46 * _diameter(mesh)
     plotter.renderer.ResetCameraClippingRange()
     shot = plotter.screenshot(None, transparent_background=True, return_img=True)
     plotter.close()

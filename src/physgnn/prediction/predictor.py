@@ -15,7 +15,7 @@ from physgnn.learning.interface import Body, Model
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import Calibration, calibrate
 from physgnn.prediction.finite_element import FiniteElementPredictor
-from physgnn.prediction.indicators import INDICATORS, Indicator
+from physgnn.prediction.indicators import INDICATORS
 from physgnn.prediction.prediction import (
     Answer,
     ErrorEstimate,
@@ -48,6 +48,9 @@ class Predictor:
         self.body = body
         self.answer = answer
         self.calibration = calibration
+        self._indicator = (
+            INDICATORS[calibration.indicator](body) if calibration else None
+        )
 
     @classmethod
     def load(cls, run: str | Path, *, device: str = "cpu") -> "Predictor":
@@ -101,7 +104,7 @@ class Predictor:
     def _estimate(
         self, load_case: LoadCase, displacement: FloatArray
     ) -> ErrorEstimate | None:
-        if self.calibration is None:
+        if self.calibration is None or self._indicator is None:
             return None
         return self.calibration.estimate(self._indicator(load_case, displacement))
 
@@ -119,11 +122,6 @@ class Predictor:
         return Prediction(
             solved.displacement, solved.error_estimate_mm, status, seconds
         )
-
-    @cached_property
-    def _indicator(self) -> Indicator:
-        assert self.calibration is not None
-        return INDICATORS[self.calibration.indicator](self.body)
 
     @cached_property
     def _solve(self) -> FiniteElementPredictor:
