@@ -69,8 +69,8 @@ def bound_facts(calibration: Calibration | None) -> dict[str, Any]:
         return {}
     loads = calibration.trained_range
     return {
-        "promise": f"{100 * calibration.coverage:.0f} % of new load paths like those trained "
-        "on, each bound for itself",
+        "promise": f"{100 * calibration.coverage:.0f} % of new load paths like those "
+        "trained on, each bound for itself",
         "calibrated_on": f"{calibration.n_samples} validation samples of "
         f"{calibration.n_paths} load paths, by the {calibration.indicator}",
         "trained_range": f"{len(loads.nodes)} nodes, up to {loads.total_force_n:.3g} N "
