@@ -18,6 +18,7 @@ from physgnn.geometry.tetmesh import TetMesh
 TARGET_RANGE = (1_000, 200_000)
 TARGET_TOLERANCE = 0.05
 TARGET_RUNS = 6
+SATURATED = 0.01  # larger cells change nothing more: the surfaces set the number
 
 
 def tetrahedralize(
@@ -38,7 +39,8 @@ def tetrahedralize(
     tumours : sequence of Surface
         Closed, wholly inside the brain and apart; see `check_nested`.
     max_volume_mm3 : float, optional
-        Largest cell volume; by default that of `paper_max_volume`.
+        Largest cell volume; by default that of `paper_max_volume`. TetGen lets a few
+        cells at the surfaces, which it must keep, exceed it.
     target_points : int, optional
         Find the largest cell volume that gives about this many points instead.
     quality_ratio : float
@@ -135,18 +137,18 @@ def _mesh_near(
     low, high = TARGET_RANGE
     if not low <= target <= high:
         raise InputError(f"target_points must be in {low}…{high} (got {target})")
-    x, slope = np.log(first_volume), -1.0
-    best, last = None, None
+    log_volume, slope = np.log(first_volume), -1.0
+    tried: list[tuple[float, float, TetMesh]] = []
     for _ in range(TARGET_RUNS):
-        result = mesh(float(np.exp(x)))
-        y = np.log(result.n_points / target)
-        if best is None or abs(y) < abs(np.log(best.n_points / target)):
-            best = result
-        if abs(y) < TARGET_TOLERANCE:
+        found = mesh(float(np.exp(log_volume)))
+        excess = float(np.log(found.n_points / target))
+        tried.append((log_volume, excess, found))
+        if abs(excess) < TARGET_TOLERANCE:
             break
-        if last is not None and x != last[0]:
-            slope = min((y - last[1]) / (x - last[0]), -0.1)
-        last = (x, y)
-        x = x - np.clip(y / slope, -4.0, 4.0)
-    assert best is not None  # the loop runs at least once
-    return best
+        if len(tried) > 1:
+            (x0, y0, _), (x1, y1, _) = tried[-2:]
+            if abs(y1 - y0) < SATURATED:
+                break
+            slope = min((y1 - y0) / (x1 - x0), -0.1)
+        log_volume -= np.clip(excess / slope, -4.0, 4.0)
+    return min(tried, key=lambda run: abs(run[1]))[2]
