@@ -1,6 +1,7 @@
 """Hyperelastic finite elements: materials, loads, equilibrium along a load path."""
 
 from physgnn.mechanics.element import deformation_gradient
+from physgnn.mechanics.kernel_cache import drop_stale_kernels
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState
@@ -19,3 +20,5 @@ __all__ = [
     "deformation_gradient",
     "solve",
 ]
+
+drop_stale_kernels()
