@@ -60,8 +60,9 @@ def test_cells_keep_to_the_bounds(sphere, mesh: TetMesh) -> None:  # type: ignor
     body = sphere(20.0)
     bound = 0.5 * paper_max_volume(body)
     fine = tetrahedralize(body, max_volume_mm3=bound)
-    # TetGen lets a few cells at the kept surface exceed it
-    assert np.percentile(fine.cell_volumes, 95) <= bound
+    # TetGen lets some cells exceed it
+    assert fine.cell_volumes.max() < 2.0 * bound
+    assert np.percentile(fine.cell_volumes, 90) <= bound
     assert (fine.region == 0).all()
     assert np.percentile(radius_edge_ratio(mesh), 90) < 1.2
 

@@ -8,6 +8,7 @@ import pyvista as pv
 
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
+from physgnn.io.ply import read_ply
 from physgnn.io.stl import read_stl
 from physgnn.io.vtk_reader import read_vtk
 
@@ -42,12 +43,6 @@ def read_surface(path: str | Path) -> Surface:
         raise InputError(str(error) if named else f"{path}: {error}") from error
 
 
-def _read_ply(path: Path) -> Surface:
-    if not _head(path).startswith(b"ply"):
-        raise _not("PLY", path, "it does not begin with 'ply'")
-    return _with_vtk(path)
-
-
 def _read_vtp(path: Path) -> Surface:
     if b'type="PolyData"' not in _head(path):
         raise _not("VTP", path, "it is no VTK XML PolyData")
@@ -64,7 +59,7 @@ def _read_obj(path: Path) -> Surface:
 
 SURFACE_READERS: Mapping[str, Callable[[Path], Surface]] = {
     ".stl": read_stl,
-    ".ply": _read_ply,
+    ".ply": read_ply,
     ".obj": _read_obj,
     ".vtp": _read_vtp,
 }

@@ -6,14 +6,12 @@ from typing import Any
 
 import pyvista as pv
 from vtkmodules.vtkIOGeometry import vtkOBJReader
-from vtkmodules.vtkIOPLY import vtkPLYReader
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 from physgnn.errors import InputError
 
 READERS: Mapping[str, Any] = {
     ".obj": vtkOBJReader,
-    ".ply": vtkPLYReader,
     ".vtp": vtkXMLPolyDataReader,
     ".vtu": vtkXMLUnstructuredGridReader,
 }
@@ -40,4 +38,5 @@ def read_vtk(path: Path) -> pv.DataSet:
             f"{path}: cannot be read as {path.suffix[1:].upper()} ({reason}): export "
             "it again"
         )
-    return pv.wrap(reader.GetOutput())
+    data: pv.DataSet = pv.wrap(reader.GetOutput())
+    return data

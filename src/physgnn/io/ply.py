@@ -1,0 +1,127 @@
+"""PLY, ASCII and binary.
+
+An own reader, because VTK's faults on a file that is cut off and keeps coordinates in
+single precision only. The format: Turk, The PLY polygon file format, 1994.
+"""
+
+import struct
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from physgnn.errors import InputError
+from physgnn.geometry.surface import Surface, merge_points
+
+# The names of number types, old and new, and their codes in Python's struct.
+CODES = {
+    "char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I",
+    "float": "f", "double": "d", "int8": "b", "uint8": "B", "int16": "h",
+    "uint16": "H", "int32": "i", "uint32": "I", "float32": "f", "float64": "d",
+}  # fmt: skip
+BYTE_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+FACE_LISTS = ("vertex_indices", "vertex_index")
+
+# From a code and a count to so many numbers; each call reads on from the last.
+Take = Callable[[str, int], tuple[Any, ...]]
+
+
+class _Column(NamedTuple):
+    name: str
+    code: str
+    length_code: str | None  # of a list's length; None for a single number
+
+
+class _Element(NamedTuple):
+    name: str
+    n_rows: int
+    columns: list[_Column]
+
+
+def read_ply(path: Path) -> Surface:
+    """Read a PLY surface; polygons become triangles, equal points one."""
+    header, end, body = path.read_bytes().partition(b"end_header")
+    if not header.startswith(b"ply") or not end:
+        raise InputError(
+            f"{path}: expected PLY, but it has no PLY header: rename it or export it "
+            "again"
+        )
+    try:
+        kind, elements = _parse_header(header.decode("ascii"))
+        body = body.partition(b"\n")[2]
+        take = _from_text(body) if kind == "ascii" else _from_bytes(body, kind)
+        tables = {element.name: list(_rows(element, take)) for element in elements}
+        points = [[row[axis] for axis in "xyz"] for row in tables["vertex"]]
+        polygons = [_corners(row) for row in tables["face"]]
+    except (ValueError, KeyError, IndexError, struct.error) as error:
+        raise InputError(
+            f"{path}: the PLY file is cut off or damaged ({error}): export it again"
+        ) from error
+    triangles = [(p[0], p[i], p[i + 1]) for p in polygons for i in range(1, len(p) - 1)]
+    if not points or not triangles:
+        raise InputError(f"{path}: the surface is empty: export it again")
+    # checks the indices before points are merged by them
+    surface = Surface(np.array(points, np.float64), np.array(triangles, np.int32))
+    return merge_points(surface.points, surface.faces)
+
+
+def _parse_header(header: str) -> tuple[str, list[_Element]]:
+    kind, elements = "", []
+    for line in header.splitlines()[1:]:
+        match line.split():
+            case ["format", kind, _]:
+                pass
+            case ["element", name, count]:
+                elements.append(_Element(name, int(count), []))
+            case ["property", "list", length, item, name]:
+                column = _Column(name, CODES[item], CODES[length])
+                elements[-1].columns.append(column)
+            case ["property", number, name]:
+                elements[-1].columns.append(_Column(name, CODES[number], None))
+    return kind, elements
+
+
+def _rows(element: _Element, take: Take) -> Iterator[dict[str, Any]]:
+    for _ in range(element.n_rows):
+        row: dict[str, Any] = {}
+        for name, code, length_code in element.columns:
+            if length_code is None:
+                row[name] = take(code, 1)[0]
+            else:
+                row[name] = take(code, take(length_code, 1)[0])
+        yield row
+
+
+def _corners(face: dict[str, Any]) -> tuple[int, ...]:
+    name = next((name for name in FACE_LISTS if name in face), FACE_LISTS[0])
+    corners: tuple[int, ...] = face[name]
+    return corners
+
+
+def _from_bytes(data: bytes, kind: str) -> Take:
+    order, position = BYTE_ORDERS[kind], 0
+
+    def take(code: str, count: int) -> tuple[Any, ...]:
+        nonlocal position
+        layout = f"{order}{count}{code}"
+        numbers = struct.unpack_from(layout, data, position)
+        position += struct.calcsize(layout)
+        return numbers
+
+    return take
+
+
+def _from_text(data: bytes) -> Take:
+    words, position = data.split(), 0
+
+    def take(code: str, count: int) -> tuple[Any, ...]:
+        nonlocal position
+        chosen = words[position : position + count]
+        if len(chosen) < count:
+            raise ValueError("it ends early")
+        position += count
+        number = float if code in "fd" else int
+        return tuple(number(word) for word in chosen)
+
+    return take
