@@ -114,5 +114,6 @@ def merge(surfaces: list[Surface]) -> Surface:
 
 def merge_points(points: FloatArray, faces: FaceArray) -> Surface:
     """Return a surface in which equal points are one, sorted by (x, y, z)."""
-    unique, index = np.unique(points, axis=0, return_inverse=True)
-    return Surface(unique, index.reshape(-1)[faces].astype(np.int32))
+    surface = Surface(points, faces)
+    unique, index = np.unique(surface.points, axis=0, return_inverse=True)
+    return Surface(unique, index.reshape(-1)[surface.faces].astype(np.int32))

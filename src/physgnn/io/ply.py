@@ -61,9 +61,7 @@ def read_ply(path: Path) -> Surface:
     triangles = [(p[0], p[i], p[i + 1]) for p in polygons for i in range(1, len(p) - 1)]
     if not points or not triangles:
         raise InputError(f"{path}: the surface is empty: export it again")
-    # checks the indices before points are merged by them
-    surface = Surface(np.array(points, np.float64), np.array(triangles, np.int32))
-    return merge_points(surface.points, surface.faces)
+    return merge_points(np.array(points, np.float64), np.array(triangles, np.int32))
 
 
 def _parse_header(header: str) -> tuple[str, list[_Element]]:

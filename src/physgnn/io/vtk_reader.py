@@ -5,13 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import pyvista as pv
-from vtkmodules.vtkIOGeometry import vtkOBJReader
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 from physgnn.errors import InputError
 
 READERS: Mapping[str, Any] = {
-    ".obj": vtkOBJReader,
     ".vtp": vtkXMLPolyDataReader,
     ".vtu": vtkXMLUnstructuredGridReader,
 }

@@ -1,0 +1,48 @@
+"""Wavefront OBJ: the lines that hold geometry.
+
+An own reader, because VTK's keeps coordinates in single precision only and does not
+check the indices.
+"""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from physgnn.errors import InputError
+from physgnn.geometry.surface import Surface, merge_points
+
+
+def read_obj(path: Path) -> Surface:
+    """Read an OBJ surface; polygons become triangles, equal points one."""
+    points: list[list[float]] = []
+    triangles: list[tuple[int, int, int]] = []
+    try:
+        for line in path.read_text("utf-8").splitlines():
+            match line.split():
+                case ["v", x, y, z, *_]:
+                    points.append([float(x), float(y), float(z)])
+                case ["f", *corners]:
+                    triangles += _fan([_index(c, len(points)) for c in corners])
+    except ValueError as error:
+        raise InputError(
+            f"{path}: expected OBJ, but a line cannot be read ({error}): export it "
+            "again"
+        ) from error
+    if not points or not triangles:
+        raise InputError(
+            f"{path}: expected OBJ, but it has no 'v' and 'f' lines: rename it or "
+            "export it again"
+        )
+    return merge_points(np.array(points), np.array(triangles, dtype=np.int32))
+
+
+def _index(corner: str, n_points: int) -> int:
+    """Return the 0-based point of a corner such as 7, 7/1, 7//2 or −1 (the last)."""
+    number = int(corner.split("/")[0])
+    return number - 1 if number > 0 else n_points + number
+
+
+def _fan(corners: list[int]) -> Iterator[tuple[int, int, int]]:
+    return ((corners[0], b, c) for b, c in pairwise(corners[1:]))
