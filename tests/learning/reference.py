@@ -18,7 +18,7 @@ with warnings.catch_warnings():
         SAGEConv,
     )
 
-__all__ = ["MessagePassing", "ReferencePhysGNN", "random_pair"]
+__all__ = ["JumpingKnowledge", "MessagePassing", "random_pair", "reference_of"]
 
 
 class ReferencePhysGNN(nn.Module):
@@ -65,16 +65,22 @@ class ReferencePhysGNN(nn.Module):
         return {our_name(n): p.grad for n, p in self.named_parameters()}
 
 
+def reference_of(ours: PhysGNN, configuration: int, dataset: int) -> ReferencePhysGNN:
+    """Return the reference with the weights of ours, in evaluation mode."""
+    reference = ReferencePhysGNN(configuration, dataset, ours.width)
+    state = ours.state_dict()
+    reference.load_state_dict(
+        {name: state[our_name(name)] for name in reference.state_dict()}
+    )
+    return reference.eval()
+
+
 def random_pair(
     configuration: int, dataset: int, width: int, seed: int = 0
 ) -> tuple[PhysGNN, ReferencePhysGNN]:
-    """Our network and the reference with the same random weights."""
+    """Return our network with random weights, and the reference with the same."""
     torch.manual_seed(seed)
-    reference = ReferencePhysGNN(configuration, dataset, width).eval()
     ours = PhysGNN(configuration, dataset, width).eval()
-    for activation in (m for m in reference.modules() if isinstance(m, nn.PReLU)):
+    for activation in (m for m in ours.modules() if isinstance(m, nn.PReLU)):
         nn.init.uniform_(activation.weight, -0.5, 0.5)
-    ours.load_state_dict(
-        {our_name(name): value for name, value in reference.state_dict().items()}
-    )
-    return ours, reference
+    return ours, reference_of(ours, configuration, dataset)

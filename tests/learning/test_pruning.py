@@ -122,7 +122,35 @@ def test_reach_orders_points_by_hops_and_cuts_there(graph: Graph) -> None:
     hops = distance(graph, nodes)
     assert (hops[reach.order].diff() >= 0).all()
     assert torch.equal(reach.order[reach.place], torch.arange(graph.n_points))
-    for k, cut in enumerate(reach.graphs, start=1):
-        assert cut.n_points == (hops <= k).sum()
-        assert cut.n_columns == (hops <= k + 1).sum()
-        assert cut.column.max() < cut.n_columns
+    for k, (near, far) in enumerate(zip(reach.near, reach.far, strict=True), start=1):
+        assert near.n_points == (hops <= k).sum()
+        assert near.n_columns == (hops <= k + 1).sum()
+        assert far.n_points == (hops > k).sum()
+        assert far.n_columns == (hops > k - 1).sum()
+        for cut in (near, far):
+            assert cut.column.max() < cut.n_columns
+
+
+def test_what_predicting_kept_serves_for_training(
+    graph: Graph, network: PhysGNN
+) -> None:
+    x = loaded_features(graph, batch=2, nodes=[0])
+    with torch.inference_mode():
+        network(x, graph)
+    network(x, graph).sum().backward()
+
+
+def test_a_load_that_just_reaches_everything(graph: Graph, network: PhysGNN) -> None:
+    hops = distance(graph, [0])
+    ordered = graph.reordered(torch.argsort(hops, stable=True))
+    n_inside = int((hops <= N_LAYERS).sum())
+    inside = (ordered.row < n_inside) & (ordered.column < n_inside)
+    small = Graph(
+        torch.searchsorted(ordered.row[inside], torch.arange(n_inside + 1)),
+        ordered.column[inside],
+        ordered.weight[inside],
+        n_inside,
+    )
+    x = loaded_features(small, batch=8, nodes=[0])
+    torch.testing.assert_close(network(x, small), whole(network, x, small))
+    network(x, small).sum().backward()

@@ -8,7 +8,7 @@ from physgnn.errors import InputError
 from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.convolution import Convolution
 from physgnn.learning.graph import Graph
-from physgnn.learning.pruning import Fill, Pruning, keep_all
+from physgnn.learning.pruning import Fill, Pruning, first_rows
 
 N_INPUTS = 7
 LAYERS_A_BLOCK = 3
@@ -57,6 +57,7 @@ class PhysGNN(nn.Module):
     ) -> None:
         super().__init__()
         _check(configuration, dataset, width)
+        self.width = width
         layers, *aggregations = CONFIGURATIONS[configuration]
         inputs = [N_INPUTS] + [width] * (len(layers) - 1)
         self.convolutions = nn.ModuleList(
@@ -104,7 +105,7 @@ class PhysGNN(nn.Module):
         return displacement
 
     def outputs(
-        self, x: Tensor, graphs: Sequence[Graph], fill: Fill = keep_all
+        self, x: Tensor, graphs: Sequence[Graph], fill: Fill = first_rows
     ) -> list[Tensor]:
         """Return the input and the output of every layer and every attention.
 

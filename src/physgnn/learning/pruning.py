@@ -9,7 +9,7 @@ reaches. The result, and its gradient, are those of the whole computation.
 
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import torch
 from torch import Tensor
@@ -19,21 +19,22 @@ from physgnn.learning.graph import Graph
 from physgnn.learning.reach import Reach
 
 Fill = Callable[[int, Tensor, int], Tensor]
+Rest = Callable[[int, int, int], Tensor]
 
 KEPT_REACHES = 16
 WORTHWHILE = 0.9
 
 
-def keep_all(place: int, rows: Tensor, n_rows: int) -> Tensor:  # noqa: ARG001
-    """Fill nothing in: all rows are there."""
-    return rows
+def first_rows(place: int, rows: Tensor, n_rows: int) -> Tensor:  # noqa: ARG001
+    """Fill nothing in: all the rows wanted are there."""
+    return rows[:, :n_rows]
 
 
 class Layered(Protocol):
     """A network that tells the output of each of its layers."""
 
     def outputs(
-        self, x: Tensor, graphs: Sequence[Graph], fill: Fill = keep_all
+        self, x: Tensor, graphs: Sequence[Graph], fill: Fill = first_rows
     ) -> list[Tensor]:
         """See :meth:`physgnn.learning.physgnn.PhysGNN.outputs`."""
 
@@ -65,6 +66,15 @@ def unloaded(x: Tensor) -> tuple[Tensor, Tensor]:
     return background, (x != background).any(dim=2).any(dim=0)
 
 
+class _Kept(NamedTuple):
+    """Outputs without load, and all that they rest on."""
+
+    graph: Graph
+    background: Tensor
+    weights: list[tuple[int, int]]
+    outputs: list[Tensor]
+
+
 class Pruning:
     """What is kept between calls: where loads reached to, and outputs without load.
 
@@ -77,7 +87,7 @@ class Pruning:
     def __init__(self, n_layers: int) -> None:
         self.n_layers = n_layers
         self._reaches: OrderedDict[bytes, tuple[Graph, Reach]] = OrderedDict()
-        self._background: tuple[Graph, Tensor, object, list[Tensor]] | None = None
+        self._kept: _Kept | None = None
 
     def last_output(self, network: Layered, x: Tensor, graph: Graph) -> Tensor | None:
         """Return the network's last output on all points, or None if it wouldn't pay.
@@ -99,19 +109,21 @@ class Pruning:
         if not loaded.any():
             return None
         reach = self._reach(graph, loaded)
-        once_a_batch = torch.is_grad_enabled()
-        if reach.share + once_a_batch / len(x) > WORTHWHILE:
+        training = torch.is_grad_enabled()
+        once = reach.share_without_load if training else 0.0
+        if reach.share + once / len(x) > WORTHWHILE:
             return None
-        without_load = self._without_load(network, background, graph)
+        find = self._on_far_points if training else self._on_all_points
+        without_load = find(network, background, graph, reach)
 
         def fill(place: int, rows: Tensor, n_rows: int) -> Tensor:
             have = rows.shape[1]
             if have >= n_rows:
                 return rows[:, :n_rows]
-            rest = without_load[place][0, reach.order[have:n_rows]]
+            rest = without_load(place, have, n_rows)
             return torch.cat([rows, rest.expand(len(rows), -1, -1)], dim=1)
 
-        outputs = network.outputs(x[:, reach.order], reach.graphs, fill)
+        outputs = network.outputs(x[:, reach.order], reach.near, fill)
         return fill(len(outputs) - 1, outputs[-1], graph.n_points)[:, reach.place]
 
     def _reach(self, graph: Graph, loaded: Tensor) -> Reach:
@@ -125,20 +137,29 @@ class Pruning:
             self._reaches.popitem(last=False)
         return reach
 
-    def _without_load(
-        self, network: Layered, background: Tensor, graph: Graph
-    ) -> list[Tensor]:
-        if torch.is_grad_enabled():
-            return network.outputs(background[None], [graph] * self.n_layers)
+    def _on_far_points(
+        self, network: Layered, background: Tensor, graph: Graph, reach: Reach
+    ) -> Rest:
+        """Compute outputs without load where they're used, for this batch alone."""
+        n_points = graph.n_points
+        outputs = network.outputs(background[reach.order.flip(0)][None], reach.far)
+        return lambda place, have, n_rows: outputs[place][
+            0, n_points - n_rows : n_points - have
+        ].flip(0)
+
+    def _on_all_points(
+        self, network: Layered, background: Tensor, graph: Graph, reach: Reach
+    ) -> Rest:
+        """Compute outputs without load once, until something they rest on changes."""
         weights = [(w.data_ptr(), w._version) for w in network.parameters()]
-        if self._background is not None:
-            of_graph, of_features, of_weights, outputs = self._background
-            if (
-                of_graph is graph
-                and of_weights == weights
-                and torch.equal(of_features, background)
-            ):
-                return outputs
-        outputs = network.outputs(background[None], [graph] * self.n_layers)
-        self._background = graph, background, weights, outputs
-        return outputs
+        kept = self._kept
+        if not (
+            kept
+            and kept.graph is graph
+            and kept.weights == weights
+            and torch.equal(kept.background, background)
+        ):
+            outputs = network.outputs(background[None], [graph] * self.n_layers)
+            kept = self._kept = _Kept(graph, background, weights, outputs)
+        outputs = kept.outputs
+        return lambda place, have, n_rows: outputs[place][0, reach.order[have:n_rows]]

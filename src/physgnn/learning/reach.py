@@ -21,32 +21,51 @@ class Reach:
         The points, nearest to the loads first.
     place : (n_points,) tensor
         The other way round: where each point is in that order.
-    graphs : tuple of Graph
+    near : tuple of Graph
         One a layer: its rows the points reached after that layer, its columns these
         points and their neighbours.
+    far : tuple of Graph
+        One a layer, of the points in reverse order, farthest first: its rows the points
+        whose output without load later layers need, its columns these points and their
+        neighbours.
     """
 
     order: Tensor
     place: Tensor
-    graphs: tuple[Graph, ...]
+    near: tuple[Graph, ...]
+    far: tuple[Graph, ...]
 
     @classmethod
     def of(cls, graph: Graph, loaded: Tensor, n_layers: int) -> "Reach":
         """Follow the edges from the loaded points, (n_points,) bool, n_layers deep."""
-        hops = _hops(graph, loaded, n_layers + 1)
-        order = torch.argsort(hops, stable=True)
-        ordered = graph.reordered(order)
-        within = [int((hops <= k).sum()) for k in range(n_layers + 2)]
-        graphs = tuple(
-            ordered.cut(within[k], within[k + 1]) for k in range(1, n_layers + 1)
-        )
-        return cls(order, torch.argsort(order), graphs)
+        # Kept for training as well, wherever it was first asked for.
+        with torch.inference_mode(False):
+            hops = _hops(graph, loaded, n_layers + 1)
+            order = torch.argsort(hops, stable=True)
+            within = [int((hops <= k).sum()) for k in range(n_layers + 2)]
+            beyond = [graph.n_points - n for n in within]
+            ahead, back = graph.reordered(order), graph.reordered(order.flip(0))
+            layers = range(1, n_layers + 1)
+            return cls(
+                order,
+                torch.argsort(order),
+                tuple(ahead.cut(within[k], within[k + 1]) for k in layers),
+                tuple(back.cut(beyond[k], beyond[k - 1]) for k in layers),
+            )
 
     @property
     def share(self) -> float:
-        """Return the part of a whole pass's rows that a pruned pass computes."""
-        rows = sum(graph.n_points for graph in self.graphs)
-        return rows / (len(self.graphs) * len(self.order))
+        """The part of a whole pass's rows that a sample computes."""
+        return self._share(self.near)
+
+    @property
+    def share_without_load(self) -> float:
+        """The part of a whole pass's rows that are needed without load."""
+        return self._share(self.far)
+
+    def _share(self, graphs: tuple[Graph, ...]) -> float:
+        rows = sum(graph.n_points for graph in graphs)
+        return rows / (len(graphs) * len(self.order))
 
 
 def _hops(graph: Graph, loaded: Tensor, deepest: int) -> Tensor:
