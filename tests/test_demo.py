@@ -1,0 +1,56 @@
+"""The demonstration, small: it comes to a report, and a second run changes nothing."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from physgnn import demo
+from physgnn.dataset import PRESETS
+from physgnn.progress import Progress
+
+
+@contextmanager
+def silent(_: str) -> Iterator[Progress]:
+    yield lambda *_: None
+
+
+def times(folder: Path) -> dict[Path, int]:
+    return {f: f.stat().st_mtime_ns for f in folder.rglob("*") if f.is_file()}
+
+
+@pytest.mark.slow
+def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    preset = PRESETS["demo"]
+    few = replace(preset, paths=partial(preset.paths, n_paths=10, n_levels=2))
+    monkeypatch.setitem(PRESETS, "demo", few)  # type: ignore[arg-type]
+    monkeypatch.setattr(demo, "TARGET_POINTS", 2800)
+    monkeypatch.setattr(demo, "TRAINING_MINUTES", 0.05)
+    monkeypatch.setattr("os.cpu_count", lambda: 1)  # no processes to start
+
+    said: list[str] = []
+    summary = demo.run_demo(tmp_path / "demo", show=silent, log=said.append)
+    assert "report.html" in summary
+    assert "mean error on load paths never trained on" in summary
+    assert not any("there already" in line for line in said)
+    names = {path.name for path in (tmp_path / "demo").iterdir()}
+    assert names == {
+        "case.vtu",
+        "loads.zarr",
+        "run",
+        "report.html",
+        "load.json",
+        "prediction.vtu",
+    }
+    page = (tmp_path / "demo" / "report.html").read_text("utf-8")
+    assert "http://" not in page.replace("http://www.w3.org", "")
+    assert "https://" not in page
+
+    before = times(tmp_path)
+    again = demo.run_demo(tmp_path / "demo", show=silent, log=said.append)
+    assert again == summary
+    assert times(tmp_path) == before
+    assert sum("there already" in line for line in said) == 5
