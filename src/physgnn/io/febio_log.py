@@ -1,0 +1,123 @@
+"""Reads FEBio's log of nodal displacements, ``node_data data="ux;uy;uz"``.
+
+Every step prints three lines that start with an asterisk (step, time, data) and then
+a line ``id ux uy uz`` a node; only steps in equilibrium are printed.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.errors import InputError
+from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.solution import Solution, Status
+
+FloatArray = NDArray[np.float64]
+
+SAME_TIME = 1e-6  # FEBio prints nine digits of the time
+DELIMITERS = str.maketrans(",;\t", "   ")
+
+
+def read_febio_log(
+    path: str | Path,
+    load_path: LoadPath,
+    *,
+    times: FloatArray,
+    node_ids: NDArray[np.int64],
+) -> Solution:
+    """Read the displacement at every level of a load path.
+
+    Parameters
+    ----------
+    path : path
+        The log.
+    load_path : LoadPath
+        What was solved.
+    times : (n_levels,) array
+        When FEBio reached its levels.
+    node_ids : (n_points,) integer array
+        FEBio's id of every point, increasing.
+
+    Returns
+    -------
+    Solution
+        Levels after the last one printed were not reached. FEBio's residual is not in
+        the log: it is NaN, and the time 0.
+
+    Raises
+    ------
+    InputError
+        If the log is missing, is of other nodes, or has a time that is no step's end.
+    """
+    path = Path(path)
+    displacement = np.zeros((len(times), len(node_ids), 3))
+    status = np.full(len(times), Status.NOT_REACHED, dtype=np.int8)
+    for time, rows in _blocks(path):
+        if time == 0:
+            continue
+        level = int(np.abs(times - time).argmin())
+        if abs(times[level] - time) > SAME_TIME * time:
+            raise InputError(
+                f"{path}: time {time:g} ends none of the {len(times)} steps: run FEBio "
+                "without automatic time stepping"
+            )
+        displacement[level] = _placed(path, time, rows, node_ids)
+        status[level] = Status.CONVERGED
+    return _solution(load_path.load_factors, displacement, status)
+
+
+def _solution(
+    factors: FloatArray, displacement: FloatArray, status: NDArray[np.int8]
+) -> Solution:
+    reached = float(factors[status == Status.CONVERGED].max(initial=0.0))
+    failed = np.flatnonzero(status != Status.CONVERGED)
+    if len(failed):
+        status[failed[0]] = Status.ITERATION_LIMIT
+    return Solution(
+        displacement=displacement,
+        status=status,
+        residual=np.full(len(factors), np.nan),
+        load_factors=factors,
+        reached=reached,
+        message=f"FEBio stopped at load factor {reached:.4f}" if len(failed) else "",
+        seconds=0.0,
+        counts={},
+    )
+
+
+def _blocks(path: Path) -> Iterator[tuple[float, list[str]]]:
+    """Yield time and lines of every step."""
+    try:
+        lines = path.read_text("utf-8").splitlines()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    except ValueError as error:
+        raise InputError(f"{path}: expected a FEBio log ({error})") from error
+    starts = [i for i, line in enumerate(lines) if line.startswith("*Time")]
+    if not starts:
+        raise InputError(f"{path}: no line '*Time = …': is it a node_data log?")
+    for start, end in zip(starts, [*starts[1:], len(lines)], strict=True):
+        rows = [row for row in lines[start:end] if row and not row.startswith("*")]
+        yield float(lines[start].partition("=")[2]), rows
+
+
+def _placed(
+    path: Path, time: float, rows: list[str], node_ids: NDArray[np.int64]
+) -> FloatArray:
+    """Return the displacement of a step in the order of the mesh's points."""
+    try:
+        table = np.array(
+            [row.translate(DELIMITERS).split() for row in rows], dtype=float
+        )
+        table = table.reshape(-1, 4)
+    except ValueError as error:
+        raise InputError(f"{path}: expected 'id ux uy uz' at time {time:g}") from error
+    table = table[np.argsort(table[:, 0])]
+    if len(table) != len(node_ids) or (table[:, 0] != node_ids).any():
+        raise InputError(
+            f"{path}: has {len(table)} nodes at time {time:g}, the model "
+            f"{len(node_ids)}: log all nodes of that model"
+        )
+    return table[:, 1:]
