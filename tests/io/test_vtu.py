@@ -98,7 +98,7 @@ def test_files_that_are_no_mesh_of_ours(
 def test_cells_of_another_kind_and_missing_regions(
     tmp_path: Path, block: TetMesh
 ) -> None:
-    grid = pv.UnstructuredGrid({pv.CellType.TETRA: block.cells}, block.points)
+    grid = pv.UnstructuredGrid({pv.CellType.TETRA: block.cells}, block.points.copy())
     grid.save(tmp_path / "no-region.vtu")
     with pytest.raises(InputError, match=r"needs a cell array 'region'.*none"):
         read_mesh(tmp_path / "no-region.vtu")
