@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from physgnn.io import read_mesh as read_mesh
     from physgnn.io import read_surface as read_surface
     from physgnn.io import write_mesh as write_mesh
-    from physgnn.learning import Graph as Graph
-    from physgnn.learning import PhysGNN as PhysGNN
-    from physgnn.learning import load_published as load_published
+    from physgnn.learning.graph import Graph as Graph
+    from physgnn.learning.physgnn import PhysGNN as PhysGNN
+    from physgnn.learning.published import load_published as load_published
     from physgnn.mechanics import LoadCase as LoadCase
     from physgnn.mechanics import LoadPath as LoadPath
     from physgnn.mechanics import NeoHookean as NeoHookean
@@ -50,9 +50,9 @@ _HOME = {
     "Status": "mechanics",
     "solve": "mechanics",
     "Store": "dataset",
-    "Graph": "learning",
-    "PhysGNN": "learning",
-    "load_published": "learning",
+    "Graph": "learning.graph",
+    "PhysGNN": "learning.physgnn",
+    "load_published": "learning.published",
     "Prediction": "prediction",
     "Predictor": "prediction",
 }

@@ -17,7 +17,7 @@ from physgnn.mechanics.materials.table import material_to_config
 from physgnn.prediction.calibration import Calibration
 
 REGIONS = {0: "brain", 1: "tumour", 2: "ventricle"}
-LIBRARIES = ("physgnn", "numpy", "scipy", "torch", "torch-geometric", "zarr")
+LIBRARIES = ("physgnn", "numpy", "scipy", "torch", "zarr")
 
 
 def case_facts(store: Store) -> dict[str, Any]:
