@@ -47,7 +47,7 @@ class ImageGrid:
         object.__setattr__(self, "shape", tuple(int(n) for n in self.shape))
         if affine.shape != (4, 4) or not np.isfinite(affine).all():
             raise InputError(
-                f"an affine must be a finite 4 × 4 matrix (got shape {affine.shape})"
+                f"an affine must be a finite 4 by 4 matrix (got shape {affine.shape})"
             )
         sizes = np.linalg.norm(affine[:3, :3], axis=0)
         if not (sizes > 0).all():

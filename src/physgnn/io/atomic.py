@@ -12,8 +12,8 @@ from physgnn.errors import InputError
 def whole_file(path: Path) -> Iterator[Path]:
     """Yield a path beside `path` to write to; on success it takes its place.
 
-    The process id in its name keeps two writers apart; the suffix stays last, since
-    some writers choose the format by it.
+    The process id in its name keeps two writers apart; the suffixes stay last, since
+    some writers choose the format by them.
 
     Raises
     ------
@@ -22,7 +22,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     """
     if not path.parent.is_dir():
         raise InputError(f"cannot write {path}: the folder {path.parent} is not there")
-    part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    part = path.with_name(f".{os.getpid()}.{path.name}")
     try:
         yield part
         part.replace(path)

@@ -1,0 +1,69 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from physgnn.errors import InputError
+from physgnn.geometry.image import Image, LabelVolume
+from physgnn.image_stages import mesh_segmentation
+from physgnn.io.nifti import write_image
+
+pytest.importorskip("tetgen")
+
+
+@pytest.fixture
+def labels() -> LabelVolume:
+    """A ball of brain with a tumour and a ventricle, LPS, 3 mm voxels."""
+    affine = np.diag([-3.0, -3.0, 3.0, 1.0])
+    affine[:3, 3] = [50, 60, -10]
+    x = np.moveaxis(np.indices((32, 32, 32)), 0, -1) * 3.0
+    data = (np.linalg.norm(x - 46, axis=-1) < 38).astype(np.int32)
+    data[np.linalg.norm(x - [46, 46, 62], axis=-1) < 11] = 4
+    data[np.linalg.norm(x - [46, 46, 30], axis=-1) < 11] = 6
+    return LabelVolume(data, affine)
+
+
+def test_volumes_of_mesh_and_labels_agree(labels: LabelVolume, tmp_path: Path) -> None:
+    write_image(tmp_path / "seg.nii.gz", labels)
+    said: list[str] = []
+    mesh = mesh_segmentation(
+        tmp_path / "seg.nii.gz",
+        "brain=1,tumour=4,ventricle=6",
+        target_points=2000,
+        log=said.append,
+    )
+    assert mesh.n_points == pytest.approx(2000, rel=0.1)
+    for region, label in ((0, 1), (1, 4), (2, 6)):
+        wanted = (labels.data == label).sum() * 27.0
+        inside = mesh.region == region
+        assert mesh.cell_volumes[inside].sum() == pytest.approx(wanted, rel=0.02)
+        middle = labels.grid.to_world(np.argwhere(labels.data == label)).mean(axis=0)
+        centres = mesh.points[mesh.cells[inside]].mean(axis=1)
+        np.testing.assert_allclose(
+            np.average(centres, axis=0, weights=mesh.cell_volumes[inside]),
+            middle,
+            atol=0.5,
+        )
+    assert sum("labels" in line and "apart on average" in line for line in said) == 3
+
+
+def test_a_brain_mask_completes_a_map_of_tumours(
+    labels: LabelVolume, tmp_path: Path
+) -> None:
+    tumour = LabelVolume(np.where(labels.data == 4, 3, 0), labels.affine)
+    write_image(tmp_path / "seg.nii", tumour)
+    write_image(tmp_path / "t1.nii", Image(labels.data * 7.5, labels.affine))
+    mesh = mesh_segmentation(
+        tmp_path / "seg.nii",
+        "brats",
+        brain_mask=tmp_path / "t1.nii",
+        target_points=1500,
+    )
+    assert set(mesh.region) == {0, 1}
+    whole = (labels.data > 0).sum() * 27.0
+    assert mesh.cell_volumes.sum() == pytest.approx(whole, rel=0.02)
+    write_image(tmp_path / "small.nii", Image(np.ones((4, 4, 4)), labels.affine))
+    with pytest.raises(InputError, match="voxels of the label map"):
+        mesh_segmentation(
+            tmp_path / "seg.nii", "brats", brain_mask=tmp_path / "small.nii"
+        )
