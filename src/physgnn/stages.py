@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from physgnn.dataset import PRESETS, Generation, Preset, Store, generate
+from physgnn.dataset import (
+    PRESETS,
+    SOLVERS,
+    Generation,
+    Preset,
+    Store,
+    generate,
+    verify,
+)
+from physgnn.dataset.generate import DEFAULT_SOLVER
 from physgnn.errors import InputError
 from physgnn.geometry import (
     Rule,
@@ -21,6 +30,7 @@ from physgnn.geometry import (
     select,
     tetrahedralize,
 )
+from physgnn.io.febio_run import find_febio
 from physgnn.progress import Progress
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
@@ -82,12 +92,15 @@ def simulate(
     preset: str | Preset,
     store: str | Path,
     *,
+    solver: str = DEFAULT_SOLVER,
     workers: int = 1,
     scheduler: str | None = None,
     source: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> tuple[Store, Generation]:
     """Solve the load paths of a preset on a mesh; a second call resumes.
+
+    A sample of the levels is checked, see `physgnn.dataset.verification`.
 
     Parameters
     ----------
@@ -97,6 +110,8 @@ def simulate(
         A row of ``PRESETS``, or a preset of the user's own.
     store : path
         Where the dataset is or is to be.
+    solver : str
+        A row of ``SOLVERS``.
     workers, scheduler, progress
         See `physgnn.dataset.generate`.
     source : mapping, optional
@@ -105,8 +120,12 @@ def simulate(
     Raises
     ------
     InputError
-        If preset, mesh and store do not fit each other.
+        If preset, mesh, solver and store do not fit each other.
     """
+    if solver not in SOLVERS:
+        raise InputError(f"no solver '{solver}' (there are: {', '.join(SOLVERS)})")
+    if solver == "febio" and scheduler is None:
+        find_febio()
     name = preset if isinstance(preset, str) else "custom"
     if isinstance(preset, str):
         preset = find_preset(preset)
@@ -117,10 +136,23 @@ def simulate(
         paths,
         materials=preset.materials,
         fixed=mesh.point_set("fixed"),
-        provenance={"preset": name, "physgnn": version("physgnn"), **(source or {})},
+        provenance={
+            "preset": name,
+            "solver": solver,
+            "physgnn": version("physgnn"),
+            **(source or {}),
+        },
     )
-    options = {"workers": workers, "scheduler": scheduler}
-    return opened, generate(opened, progress=progress, **options)  # type: ignore[arg-type]
+    before = opened.provenance.get("solver", DEFAULT_SOLVER)
+    if before != solver:
+        raise InputError(
+            f"store {store} was begun with --solver {before}: go on with that, or name "
+            "another store"
+        )
+    where: dict[str, Any] = {"workers": workers, "scheduler": scheduler}
+    did = generate(opened, progress=progress, **where)
+    verify(opened, progress=progress, **where)
+    return opened, did
 
 
 def find_preset(name: str) -> Preset:

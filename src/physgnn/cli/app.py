@@ -103,9 +103,11 @@ def simulate(
     scheduler: Annotated[
         str | None, typer.Option(help="Dask scheduler, tcp://…, instead of workers.")
     ] = None,
+    solver: Annotated[str, typer.Option(help="physgnn or febio.")] = "physgnn",
 ) -> None:
     """Solve load paths by finite elements; call again to resume."""
     from physgnn.config import read_preset
+    from physgnn.dataset import verification_of
     from physgnn.io import read_mesh
 
     if (preset is None) == (loads is None):
@@ -117,6 +119,7 @@ def simulate(
             body,
             chosen,
             out,
+            solver=solver,
             workers=workers,
             scheduler=scheduler,
             source={"mesh": str(case), "command": stages.command_line()},
@@ -127,6 +130,7 @@ def simulate(
         f"{out}: {did.solved} load paths solved now, {len(store.pending())} pending; "
         f"{converged} of {store.n_paths * store.n_levels} levels converged"
     )
+    print(verification_of(store))
     for path, error in list(did.errors.items())[:3]:
         say(f"load path {path}: {error}")
     if did.errors:

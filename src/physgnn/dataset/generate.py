@@ -1,24 +1,33 @@
 """Solve the pending load paths of a store, here or on many machines.
 
-Every worker opens the store, builds one solver, and writes the paths it is given into
-their own chunks. A path is solved again only if it was not finished, so a run may be
-killed at any moment and started again.
+A path is written into its own chunks, and solved again only if it was not finished, so
+a run may be killed at any moment and started again.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Mapping
+from contextlib import closing
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
-from threading import Lock
-from typing import Any
+from typing import Any, Protocol
 
-from physgnn.dataset import cluster
 from physgnn.dataset.store import Store
-from physgnn.errors import InputError
+from physgnn.dataset.work import Result, Work, each
+from physgnn.io.febio_run import FebioSolver
+from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.solution import Solution
 from physgnn.mechanics.solver import Solver
 from physgnn.progress import Progress
 
 ALREADY_THERE = "already there"
-_one_at_a_time = Lock()  # the solver is one worker's, and a worker may have threads
+DEFAULT_SOLVER = "physgnn"
+SOLVERS: Mapping[str, Any] = {DEFAULT_SOLVER: Solver, "febio": FebioSolver}
+"""Made of mesh, materials and fixed points; the store's provenance names one."""
+
+
+class CanSolve(Protocol):
+    """What a solver offers."""
+
+    def solve(self, path: LoadPath) -> Solution:
+        """Find equilibrium at every level of a path."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +58,9 @@ def generate(
     Parameters
     ----------
     store : Store
-        Results go into it.
-    workers : int
-        Processes on this machine, each with one thread; 1 works in this process.
-    scheduler : str, optional
-        Address of a Dask scheduler (``tcp://…``) whose workers see the store under the
-        same absolute path; `workers` is then ignored.
+        Results go into it; its provenance may name the ``solver``.
+    workers, scheduler
+        See `physgnn.dataset.work.each`.
     progress : callable, optional
         Told the paths done, the paths in all, and how the last one ended.
 
@@ -67,57 +73,39 @@ def generate(
     Raises
     ------
     InputError
-        If `workers` is less than 1 or the scheduler does not answer.
+        If `workers` is less than 1, the scheduler does not answer, or the solver is not
+        installed.
     """
-    if workers < 1:
-        raise InputError(f"workers must be 1 or more (got {workers})")
     pending = store.pending().tolist()
-    workers = min(workers, len(pending))
-    if workers == 0:
-        return Generation()
-    if workers == 1 and scheduler is None:
-        solver = Solver(store.mesh, store.materials, store.fixed)
-        results = (solve_and_write(store, solver, i) for i in pending)
+    where: dict[str, Any] = {"workers": workers, "scheduler": scheduler}
+    with closing(each(SOLVE, store, pending, **where)) as results:
         return _gather(results, store, progress)
-    with cluster.connect(workers, scheduler) as client:
-        return _gather(_submit(client, store, pending), store, progress)
 
 
-Result = tuple[int, str, str]  # path, how it ended, error if it raised one
+def solver_of(store: Store) -> CanSolve:
+    """Return the solver a store is made with, ready for its body."""
+    make = SOLVERS[store.provenance.get("solver", DEFAULT_SOLVER)]
+    solver: CanSolve = make(store.mesh, store.materials, store.fixed)
+    return solver
 
 
-def solve_and_write(store: Store, solver: Solver, i: int) -> Result:
+def solve_and_write(store: Store, solver: CanSolve, i: int) -> tuple[str, str]:
     """Solve path `i` and write it, unless somebody has."""
     if not store.is_pending(i):
-        return i, ALREADY_THERE, ""
+        return ALREADY_THERE, ""
     try:
         solution = solver.solve(store.load_path(i))
         store.write(i, solution)
     except Exception as error:  # whatever it was, the other paths can be solved
-        return i, "error", f"{type(error).__name__}: {error}"
-    return i, solution.message or "converged", ""
+        return "error", f"{type(error).__name__}: {error}"
+    return solution.message or "converged", ""
 
 
-def _work(store_path: str, definition: str, i: int) -> Result:
-    """Solve path `i` in a worker process."""
-    with _one_at_a_time:
-        return solve_and_write(*_equipment(store_path, definition), i)
-
-
-@lru_cache(maxsize=1)
-def _equipment(store_path: str, definition: str) -> tuple[Store, Solver]:
-    """Return a worker's store and solver, built when it first needs them.
-
-    A worker may outlive the store, so what the store asks is part of the key.
-    """
-    store = Store.open(store_path)
-    if store.definition_hash != definition:
-        raise InputError(f"store {store_path} is not the one the run was started with")
-    return store, Solver(store.mesh, store.materials, store.fixed)
+SOLVE = Work(solver_of, solve_and_write)
 
 
 def _gather(
-    results: Iterator[Result], store: Store, progress: Progress | None
+    results: Iterable[Result], store: Store, progress: Progress | None
 ) -> Generation:
     solved, errors = 0, {}
     done = store.n_paths - len(store.pending())
@@ -129,16 +117,3 @@ def _gather(
         if progress:
             progress(done, store.n_paths, f"load path {i}: {ended}")
     return Generation(solved, errors)
-
-
-def _submit(client: Any, store: Store, pending: list[int]) -> Iterator[Result]:
-    """Yield results as they come; a path whose worker dies goes to another one."""
-    from distributed import as_completed
-
-    work = partial(_work, str(store.path.resolve()), store.definition_hash)
-    futures = client.map(work, pending, pure=False)
-    index = dict(zip((future.key for future in futures), pending, strict=True))
-    for future in as_completed(futures):
-        error = future.exception()  # of the cluster: a path's own are caught
-        i = index[future.key]
-        yield (i, "error", str(error)) if error else future.result()

@@ -1,0 +1,73 @@
+"""The solver is chosen once a store, and its answers are checked like any other's."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import febio_stand_in
+from physgnn import stages
+from physgnn.dataset import Preset, Store, verification_of
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.load_paths import equal_levels
+from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.materials import NeoHookean
+
+
+def push(_: TetMesh, loaded: np.ndarray) -> list[LoadPath]:
+    return [LoadPath(loaded[[5]], [[0, 1e-3, -4e-3]], equal_levels(2))]
+
+
+PRESET = Preset({0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}, push)
+
+
+def test_febio(block: TetMesh, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    febio_stand_in.put_on_path(tmp_path / "bin", monkeypatch)
+    store, did = stages.simulate(block, PRESET, tmp_path / "f.zarr", solver="febio")
+    assert (did.solved, did.errors) == (1, {})
+    assert store.provenance["solver"] == "febio"
+    ours, _ = stages.simulate(block, PRESET, tmp_path / "o.zarr")
+    assert np.allclose(store.displacement(0), ours.displacement(0), rtol=1e-6)
+    assert 0 < verification_of(store).largest_mm < 1e-4
+    with pytest.raises(InputError, match="was begun with --solver febio: go on with"):
+        stages.simulate(block, PRESET, store.path)
+
+
+@pytest.mark.parametrize(
+    ("solver", "message"),
+    [
+        ("febio", "no program 'febio4' is on PATH"),
+        ("abaqus", r"no solver 'abaqus' \(there are: physgnn, febio\)"),
+    ],
+)
+def test_refusals_leave_no_store(
+    block: TetMesh,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    solver: str,
+    message: str,
+) -> None:
+    monkeypatch.setenv("PATH", "/nowhere")
+    with pytest.raises(InputError, match=message):
+        stages.simulate(block, PRESET, tmp_path / "s.zarr", solver=solver, workers=2)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_missing_on_the_workers(
+    block: TetMesh, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", "/nowhere")
+    from physgnn.dataset import generate
+
+    mesh, paths = PRESET.on(block)
+    store = Store.create(
+        tmp_path / "s.zarr",
+        mesh,
+        paths,
+        materials=PRESET.materials,
+        fixed=mesh.point_set("fixed"),
+        provenance={"solver": "febio"},
+    )
+    with pytest.raises(InputError, match="no program 'febio4' is on PATH"):
+        generate(store)
