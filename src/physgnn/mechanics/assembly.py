@@ -7,10 +7,14 @@ import scipy.sparse as sp
 from numba import njit
 from numpy.typing import NDArray
 
+from physgnn.mechanics.averaging import Averaging, add_group_tangent, volume_gradients
 from physgnn.mechanics.element import (
+    NO_PRESSURE,
     Elements,
+    MeanState,
     _element_tangent,
     _kinematics,
+    mean_state,
 )
 from physgnn.mechanics.materials import table
 
@@ -33,6 +37,9 @@ class Pattern:
         where the block is fixed or belongs to the transposed half.
     row : (n_points,) int32 array
         Rank of a point among the free ones, or −1.
+    group_slot : int32 array
+        The same ranks for every pair of points of every group of averaged elements,
+        pairs in order; empty for others.
     """
 
     free: IntArray
@@ -40,6 +47,7 @@ class Pattern:
     indices: NDArray[np.int32]
     slot: NDArray[np.int32]
     row: NDArray[np.int32]
+    group_slot: NDArray[np.int32]
 
     @property
     def n_unknowns(self) -> int:
@@ -47,27 +55,58 @@ class Pattern:
         return 3 * len(self.free)
 
 
-def make_pattern(cells: NDArray[np.int32], n_points: int, fixed: IntArray) -> Pattern:
+def make_pattern(
+    cells: NDArray[np.int32],
+    n_points: int,
+    fixed: IntArray,
+    averaging: Averaging | None = None,
+) -> Pattern:
     """Find the pattern of the tangent with the fixed points left out."""
     free = np.setdiff1d(np.arange(n_points), fixed)
     row = np.full(n_points, -1, dtype=np.int32)
     row[free] = np.arange(len(free), dtype=np.int32)
-    corner = row[cells]
     a, b = np.repeat(np.arange(4), 4), np.tile(np.arange(4), 4)
-    first, second = corner[:, a], corner[:, b]
+    first, second = row[cells[:, a]].ravel(), row[cells[:, b]].ravel()
+    if averaging is not None:
+        pairs = _pairs(averaging.start, averaging.points)
+        first = np.concatenate([first, row[pairs[0]]])
+        second = np.concatenate([second, row[pairs[1]]])
+    blocks, slot = _rank_blocks(first, second, len(free))
+    indptr, indices = _expand_blocks(blocks.indptr, blocks.indices)
+    n_cell_pairs = 16 * len(cells)
+    cell_slot, group_slot = slot[:n_cell_pairs], slot[n_cell_pairs:]
+    return Pattern(free, indptr, indices, cell_slot.reshape(-1, 4, 4), row, group_slot)
+
+
+def _rank_blocks(
+    first: NDArray[np.int32], second: NDArray[np.int32], n_free: int
+) -> tuple[sp.csr_matrix, NDArray[np.int32]]:
+    """Return the upper blocks' pattern and every pair's rank in its row, or −1."""
     kept = (first >= 0) & (second >= first)
     blocks = sp.coo_matrix(
-        (np.ones(kept.sum()), (first[kept], second[kept])), shape=(len(free),) * 2
+        (np.ones(kept.sum()), (first[kept], second[kept])), shape=(n_free,) * 2
     ).tocsr()
     blocks.sort_indices()
-    key = np.repeat(np.arange(len(free)), np.diff(blocks.indptr)) * len(free)
+    key = np.repeat(np.arange(n_free), np.diff(blocks.indptr)) * n_free
     place = np.searchsorted(
-        key + blocks.indices, first.astype(np.int64) * len(free) + second
+        key + blocks.indices, first.astype(np.int64) * n_free + second
     )
     rank = place - blocks.indptr[np.maximum(first, 0)]
-    slot = np.where(kept, rank, -1).astype(np.int32).reshape(-1, 4, 4)
-    indptr, indices = _expand_blocks(blocks.indptr, blocks.indices)
-    return Pattern(free, indptr, indices, slot, row)
+    return blocks, np.where(kept, rank, -1).astype(np.int32)
+
+
+@njit(cache=True)
+def _pairs(start, points):  # type: ignore[no-untyped-def]
+    """All ordered pairs of points within each group, group by group, (2, n_pairs)."""
+    sizes = start[1:] - start[:-1]
+    pairs = np.empty((2, np.sum(sizes.astype(np.int64) ** 2)), dtype=np.int32)
+    at = 0
+    for g in range(len(sizes)):
+        for a in range(start[g], start[g + 1]):
+            for b in range(start[g], start[g + 1]):
+                pairs[0, at], pairs[1, at] = points[a], points[b]
+                at += 1
+    return pairs
 
 
 @njit(cache=True)
@@ -92,7 +131,19 @@ def _expand_blocks(block_indptr, block_indices):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _assemble(cells, gradients, volumes, law, constants, u, row, slot, indptr, data):  # type: ignore[no-untyped-def]
+def _add_pressure_tangent(pJ, H, A):  # type: ignore[no-untyped-def]
+    """Add p ∂²J/∂F² = p J (H_iJ H_kL − H_iL H_kJ)."""
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                for m in range(3):
+                    A[i, j, k, m] += pJ * (H[i, j] * H[k, m] - H[i, m] * H[k, j])
+
+
+@njit(cache=True)
+def _assemble(  # type: ignore[no-untyped-def]
+    cells, gradients, volumes, law, constants, pressure, u, row, slot, indptr, data
+):
     F, H = np.empty((3, 3)), np.empty((3, 3))
     A, Ag = np.empty((3, 3, 3, 3)), np.empty((3, 3, 3))
     K = np.empty((4, 4, 3, 3))
@@ -101,6 +152,8 @@ def _assemble(cells, gradients, volumes, law, constants, u, row, slot, indptr, d
         if not J > 0.0:
             return e
         table.tangent(law[e], F, H, J, constants[e], A)
+        if len(pressure):
+            _add_pressure_tangent(pressure[e] * J, H, A)
         _element_tangent(gradients[e], volumes[e], A, Ag, K)
         for a in range(4):
             for b in range(4):
@@ -130,12 +183,20 @@ def assemble_tangent(
         First cell with det F ≤ 0, or −1; the values are then of no use.
     """
     data = np.zeros(len(pattern.indices))
+    pressure = NO_PRESSURE
+    if elements.averaging is not None:
+        state, inverted = mean_state(elements, u)
+        if state is None:
+            return data, inverted
+        pressure = state.pressure
+        _assemble_groups(elements, pattern, state, data)
     inverted = _assemble(
         elements.cells,
         elements.gradients,
         elements.volumes,
         elements.law,
         elements.constants,
+        pressure,
         u,
         pattern.row,
         pattern.slot,
@@ -143,3 +204,30 @@ def assemble_tangent(
         data,
     )
     return data, int(inverted)
+
+
+def _assemble_groups(
+    elements: Elements, pattern: Pattern, state: MeanState, data: FloatArray
+) -> None:
+    averaging = elements.averaging
+    assert averaging is not None
+    B = volume_gradients(
+        elements.volumes[:, None, None] * state.cofactors,
+        elements.gradients,
+        averaging.groups,
+        averaging.volumes,
+        averaging.place,
+        len(averaging.points),
+    )
+    add_group_tangent(
+        state.mean,
+        averaging.kappa,
+        averaging.volumes,
+        B,
+        averaging.start,
+        averaging.points,
+        pattern.row,
+        pattern.group_slot,
+        pattern.indptr,
+        data,
+    )

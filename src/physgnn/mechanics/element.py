@@ -13,10 +13,19 @@ from numpy.typing import NDArray
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.averaging import (
+    Averaging,
+    cell_pressures,
+    make_averaging,
+    mean_volume_change,
+)
 from physgnn.mechanics.materials import table
 from physgnn.mechanics.materials.table import LAW_INDEX, MAX_CONSTANTS, Material
 
 FloatArray = NDArray[np.float64]
+
+ELEMENTS = ("tet4", "tet4-averaged")
+NO_PRESSURE = np.empty(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +44,8 @@ class Elements:
     constants : (n_cells, 8) array
         The law's constants, MPa.
     n_points : int
+    averaging : Averaging or None
+        Groups that share their change of volume; the constants are then without κ.
     """
 
     cells: NDArray[np.int32]
@@ -43,16 +54,30 @@ class Elements:
     law: NDArray[np.int64]
     constants: FloatArray
     n_points: int
+    averaging: Averaging | None = None
 
 
-def make_elements(mesh: TetMesh, materials: Mapping[int, Material]) -> Elements:
+def make_elements(
+    mesh: TetMesh, materials: Mapping[int, Material], element: str = "tet4"
+) -> Elements:
     """Collect what the kernels need.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    materials : mapping of region label to Material
+    element : str
+        One of ``ELEMENTS``.
 
     Raises
     ------
     InputError
-        If a region of the mesh has no material.
+        If a region of the mesh has no material or the element is unknown.
     """
+    if element not in ELEMENTS:
+        raise InputError(
+            f"element must be one of {', '.join(ELEMENTS)} (got {element})"
+        )
     missing = sorted(set(np.unique(mesh.region).tolist()) - set(materials))
     if missing:
         raise InputError(
@@ -70,8 +95,18 @@ def make_elements(mesh: TetMesh, materials: Mapping[int, Material]) -> Elements:
         inside = mesh.region == label
         law[inside] = LAW_INDEX[material.law]
         constants[inside, : len(material.constants)] = material.constants
+    averaging = None
+    if element == "tet4-averaged":
+        averaging = make_averaging(mesh, constants[:, 0].copy())
+        constants[:, 0] = 0.0
     return Elements(
-        mesh.cells, gradients, mesh.cell_volumes, law, constants, mesh.n_points
+        mesh.cells,
+        gradients,
+        mesh.cell_volumes,
+        law,
+        constants,
+        mesh.n_points,
+        averaging,
     )
 
 
@@ -131,11 +166,11 @@ def _add_force(cell, gradient, volume, P, force):  # type: ignore[no-untyped-def
 
 
 @njit(cache=True)
-def _internal_force(cells, gradients, volumes, law, constants, u, force):  # type: ignore[no-untyped-def]
+def _internal_force(cells, gradients, volumes, law, constants, pressure, u, force):  # type: ignore[no-untyped-def]
     F, H, P = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     e = 0
     # The first law has a loop of its own: choosing among laws costs a sixth of it.
-    while e < len(cells) and law[e] == 0:
+    while e < len(cells) and law[e] == 0 and len(pressure) == 0:
         J = _kinematics(cells[e], gradients[e], u, F, H)
         if not J > 0.0:
             return e
@@ -147,6 +182,10 @@ def _internal_force(cells, gradients, volumes, law, constants, u, force):  # typ
         if not J > 0.0:
             return e
         table.stress(law[e], F, H, J, constants[e], P)
+        if len(pressure):
+            for i in range(3):
+                for j in range(3):
+                    P[i, j] += pressure[e] * J * H[i, j]
         _add_force(cells[e], gradients[e], volumes[e], P, force)
     return -1
 
@@ -185,6 +224,43 @@ def _element_tangent(gradient, volume, A, Ag, K):  # type: ignore[no-untyped-def
                     )
 
 
+@njit(cache=True)
+def _volume_changes(cells, gradients, u, J, cofactors):  # type: ignore[no-untyped-def]
+    """Fill J and J F⁻ᵀ of every cell; return the first inverted cell or −1."""
+    F, H = np.empty((3, 3)), np.empty((3, 3))
+    for e in range(len(cells)):
+        J[e] = _kinematics(cells[e], gradients[e], u, F, H)
+        if not J[e] > 0.0:
+            return e
+        for i in range(3):
+            for j in range(3):
+                cofactors[e, i, j] = J[e] * H[i, j]
+    return -1
+
+
+@dataclass(frozen=True, eq=False)
+class MeanState:
+    """The averaged change of volume at one displacement."""
+
+    mean: FloatArray
+    cofactors: FloatArray
+    pressure: FloatArray
+
+
+def mean_state(elements: Elements, u: FloatArray) -> tuple[MeanState | None, int]:
+    """Average the change of volume; None and the first inverted cell if one is."""
+    averaging = elements.averaging
+    assert averaging is not None
+    J = np.empty(len(elements.cells))
+    cofactors = np.empty((len(J), 3, 3))
+    inverted = _volume_changes(elements.cells, elements.gradients, u, J, cofactors)
+    if inverted >= 0:
+        return None, int(inverted)
+    mean = mean_volume_change(J, elements.volumes, averaging.groups, averaging.volumes)
+    pressure = cell_pressures(mean, averaging.kappa, averaging.groups)
+    return MeanState(mean, cofactors, pressure), -1
+
+
 def internal_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
     """Σ_e V P·∂N_a/∂X.
 
@@ -196,12 +272,19 @@ def internal_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
         First cell with det F ≤ 0, or −1; the force is then of no use.
     """
     force = np.zeros((elements.n_points, 3))
+    pressure = NO_PRESSURE
+    if elements.averaging is not None:
+        state, inverted = mean_state(elements, u)
+        if state is None:
+            return force, inverted
+        pressure = state.pressure
     inverted = _internal_force(
         elements.cells,
         elements.gradients,
         elements.volumes,
         elements.law,
         elements.constants,
+        pressure,
         u,
         force,
     )
@@ -210,7 +293,7 @@ def internal_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
 
 def strain_energy(elements: Elements, u: FloatArray) -> float:
     """Σ_e V W(F), N·mm; infinite if a cell is inverted."""
-    return float(
+    total = float(
         _strain_energy(
             elements.cells,
             elements.gradients,
@@ -220,3 +303,10 @@ def strain_energy(elements: Elements, u: FloatArray) -> float:
             u,
         )
     )
+    averaging = elements.averaging
+    if averaging is None or not np.isfinite(total):
+        return total
+    state, _ = mean_state(elements, u)
+    assert state is not None
+    cost = averaging.kappa / 2 * np.log(state.mean) ** 2
+    return total + float((averaging.volumes * cost).sum())

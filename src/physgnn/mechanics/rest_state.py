@@ -26,6 +26,8 @@ class RestState:
         Name of a point set, or point indices.
     threads : int
         Threads for factorisation and back-solves.
+    element : str
+        As in `SolverOptions`.
 
     Raises
     ------
@@ -40,11 +42,14 @@ class RestState:
         fixed: str | NDArray[np.int64] = "fixed",
         *,
         threads: int = 1,
+        element: str = "tet4",
     ) -> None:
         self.n_points = mesh.n_points
         self.fixed = fixed_points(mesh, fixed)
-        elements = make_elements(mesh, materials)
-        pattern = make_pattern(mesh.cells, mesh.n_points, self.fixed)
+        elements = make_elements(mesh, materials, element)
+        pattern = make_pattern(
+            mesh.cells, mesh.n_points, self.fixed, elements.averaging
+        )
         self._free = pattern.free
         data, _ = assemble_tangent(elements, pattern, np.zeros_like(mesh.points))
         self._solver = make_linear_solver(pattern, threads=threads)
