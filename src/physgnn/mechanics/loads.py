@@ -1,12 +1,18 @@
 """Loads: one force field (load case) and the path that leads up to it."""
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.gravity import Gravity
+from physgnn.mechanics.prescribed import PrescribedDisplacement
+from physgnn.mechanics.pressure import SurfacePressure
+
+Load: TypeAlias = SurfacePressure | Gravity | PrescribedDisplacement
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -51,16 +57,18 @@ class LoadCase:
 
 @dataclass(frozen=True, eq=False)
 class LoadPath:
-    """Forces that grow in proportion: ``forces × load_factor``.
+    """Loads that grow in proportion: ``forces × load_factor``.
 
     Parameters
     ----------
     nodes : (n_loaded,) integer array
-        Loaded points, each named once.
+        Loaded points, each named once; may be empty if there is `more`.
     forces : (n_loaded, 3) array
-        Forces at load factor 1, N.
+        Dead forces at load factor 1, N.
     load_factors : (n_levels,) array
         Strictly increasing, in (0, 1].
+    more : tuple of SurfacePressure, Gravity, PrescribedDisplacement
+        Loads beside the nodal forces; they grow with the load factor too.
 
     Raises
     ------
@@ -71,9 +79,15 @@ class LoadPath:
     nodes: IntArray
     forces: FloatArray
     load_factors: FloatArray
+    more: tuple[Load, ...] = ()
 
     def __post_init__(self) -> None:
-        nodes, forces = checked_forces(self.nodes, self.forces)
+        more = tuple(self.more)
+        if more and np.size(self.nodes) == np.size(self.forces) == 0:
+            nodes, forces = np.empty(0, dtype=np.int64), np.empty((0, 3))
+        else:
+            nodes, forces = checked_forces(self.nodes, self.forces)
+        object.__setattr__(self, "more", more)
         factors = np.asarray(self.load_factors, dtype=np.float64).ravel()
         if len(factors) == 0 or not np.isfinite(factors).all():
             raise InputError("load_factors must be one or more finite numbers")
@@ -86,13 +100,29 @@ class LoadPath:
         object.__setattr__(self, "forces", forces)
         object.__setattr__(self, "load_factors", factors)
 
+    @classmethod
+    def of(cls, load_factors: FloatArray, *more: Load) -> "LoadPath":
+        """Return a path of loads without nodal forces."""
+        return cls(np.empty(0, dtype=np.int64), np.empty((0, 3)), load_factors, more)
+
     @property
     def n_levels(self) -> int:
         """Number of load levels."""
         return len(self.load_factors)
 
     def case(self, level: int) -> LoadCase:
-        """Return the load case at a 0-based level."""
+        """Return the load case at a 0-based level.
+
+        Raises
+        ------
+        InputError
+            If there are loads that a load case cannot carry.
+        """
+        if self.more:
+            raise InputError(
+                "a load case is nodal forces alone; this path also has "
+                + ", ".join(type(load).__name__ for load in self.more)
+            )
         return LoadCase(self.nodes, self.forces * self.load_factors[level])
 
     def check_against(self, mesh: TetMesh, fixed: IntArray) -> None:

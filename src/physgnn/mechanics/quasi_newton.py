@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from physgnn.mechanics.assembly import Pattern, assemble_tangent
 from physgnn.mechanics.element import Elements, internal_force
 from physgnn.mechanics.linear_solver import LinearSolver
+from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.solution import Status
 
 FloatArray = NDArray[np.float64]
@@ -35,12 +36,17 @@ class Equilibrium:
 
 @dataclass
 class QuasiNewton:
-    """Solves f_ext − f_int(u) = 0 over the free unknowns, many times in a row.
+    """Solves f_ext(u) − f_int(u) = 0 over the free unknowns, many times in a row.
+
+    The residual has every load in it exactly; the factor leaves out how a load changes
+    with u, which the secant pairs learn.
 
     Parameters
     ----------
     elements, pattern, solver
         The discretised body and its linear solver.
+    loading : Loading
+        The loads.
     tolerance_mm : float
         Bound on the estimated displacement error of the worst point.
     max_iterations : int
@@ -50,6 +56,7 @@ class QuasiNewton:
     elements: Elements
     pattern: Pattern
     solver: LinearSolver
+    loading: Loading
     tolerance_mm: float
     max_iterations: int
     counts: dict[str, int] = field(
@@ -60,22 +67,34 @@ class QuasiNewton:
         self._pairs: list[tuple[FloatArray, FloatArray]] = []
         self._contraction = 0.5
 
-    def displacement(self, state: FloatArray) -> FloatArray:
+    def displacement(self, state: FloatArray, load_factor: float) -> FloatArray:
         """Spread the free unknowns over all points, (n_points, 3)."""
         u = np.zeros((self.elements.n_points, 3))
         u[self.pattern.free] = state.reshape(-1, 3)
+        self.loading.place(u, load_factor)
         return u
 
-    def residual(self, state: FloatArray, load: FloatArray) -> tuple[FloatArray, int]:
+    def residual(self, state: FloatArray, load_factor: float) -> tuple[FloatArray, int]:
         """Return load − internal force of the free unknowns, and any inverted cell."""
         self.counts["residuals"] += 1
-        force, inverted = internal_force(self.elements, self.displacement(state))
-        return load - force[self.pattern.free].ravel(), inverted
+        u = self.displacement(state, load_factor)
+        force, inverted = internal_force(self.elements, u)
+        load = self.loading.force(u, load_factor)
+        return (load - force)[self.pattern.free].ravel(), inverted
 
-    def refactorize(self, state: FloatArray) -> bool:
+    def load_norm(self, state: FloatArray, load_factor: float) -> float:
+        """Norm of the external force, that on points put in place included, N."""
+        u = self.displacement(state, load_factor)
+        load = self.loading.force(u, load_factor)[self.pattern.free].ravel()
+        if len(self.loading.held) == 0:
+            return _norm(load)
+        force, _ = internal_force(self.elements, u)
+        return _norm(np.concatenate([load, force[self.loading.held].ravel()]))
+
+    def refactorize(self, state: FloatArray, load_factor: float) -> bool:
         """Factorise K(u) and forget the pairs; False if K is not positive definite."""
         data, inverted = assemble_tangent(
-            self.elements, self.pattern, self.displacement(state)
+            self.elements, self.pattern, self.displacement(state, load_factor)
         )
         if inverted >= 0:
             return False
@@ -97,18 +116,18 @@ class QuasiNewton:
             d += s * (weight - _dot(y, d) / _dot(s, y))
         return d
 
-    def solve(self, start: FloatArray, load: FloatArray) -> Equilibrium:
-        """Iterate from a start to equilibrium under a load."""
+    def solve(self, start: FloatArray, load_factor: float) -> Equilibrium:
+        """Iterate from a start to equilibrium at a load factor."""
         state = start
-        r, inverted = self.residual(state, load)
+        r, inverted = self.residual(state, load_factor)
         if inverted >= 0:
             return Equilibrium(state, Status.INVERTED, np.inf, inverted)
         previous, since_factor, fresh = np.inf, 0, False
         for _ in range(self.max_iterations):
             d = self.direction(r)
-            moved, r_new, scale, inverted = self._step(state, d, load)
+            moved, r_new, scale, inverted = self._step(state, d, load_factor)
             if scale == 0.0:
-                if fresh or not self.refactorize(state):
+                if fresh or not self.refactorize(state, load_factor):
                     return Equilibrium(state, Status.INVERTED, _norm(r), inverted)
                 previous, since_factor, fresh = np.inf, 0, True
                 continue
@@ -119,20 +138,20 @@ class QuasiNewton:
                 return Equilibrium(state, Status.CONVERGED, _norm(r))
             since_factor += 1
             if self._worn_out(size, previous, since_factor):
-                if not self.refactorize(state):
+                if not self.refactorize(state, load_factor):
                     return Equilibrium(state, Status.LIMIT_POINT, _norm(r))
                 size, since_factor = np.inf, 0
             previous, fresh = size, since_factor == 0
         return Equilibrium(state, Status.ITERATION_LIMIT, _norm(r))
 
     def _step(
-        self, state: FloatArray, d: FloatArray, load: FloatArray
+        self, state: FloatArray, d: FloatArray, load_factor: float
     ) -> tuple[FloatArray, FloatArray, float, int]:
         """Take the longest of d, d/2, d/4 … that inverts no cell."""
         scale, inverted = 1.0, -1
         for _ in range(MAX_HALVINGS):
             moved = state + scale * d
-            r, bad = self.residual(moved, load)
+            r, bad = self.residual(moved, load_factor)
             if bad < 0:
                 return moved, r, scale, inverted
             inverted = bad

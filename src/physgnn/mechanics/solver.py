@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.assembly import make_pattern
-from physgnn.mechanics.element import make_elements
+from physgnn.mechanics.assembly import Pattern, make_pattern
+from physgnn.mechanics.element import ELEMENTS, make_elements
 from physgnn.mechanics.extrapolation import PathHistory
-from physgnn.mechanics.linear_solver import make_linear_solver
+from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
+from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton
@@ -36,12 +37,16 @@ class SolverOptions:
         Smallest step in the load factor before the path is given up.
     threads : int
         Threads of the linear solver.
+    element : str
+        "tet4", linear tetrahedra as published, or "tet4-averaged", which do not lock
+        as ν nears 0.5 (`physgnn.mechanics.averaging`).
     """
 
     tolerance_mm: float = 1e-4
     max_iterations: int = 40
     min_step: float = 1e-3
     threads: int = 1
+    element: str = "tet4"
 
     def __post_init__(self) -> None:
         if not self.tolerance_mm > 0 or not 0 < self.min_step < 1:
@@ -49,9 +54,23 @@ class SolverOptions:
                 "tolerance_mm must be > 0 and min_step in (0, 1) "
                 f"(got {self.tolerance_mm}, {self.min_step})"
             )
+        if self.element not in ELEMENTS:
+            raise InputError(
+                f"element must be one of {', '.join(ELEMENTS)} (got {self.element!r})"
+            )
 
 
 DEFAULT_OPTIONS = SolverOptions()
+SMALL_FACTOR = 2.0**-20  # a power of two: dividing by it loses nothing
+
+
+@dataclass(frozen=True, eq=False)
+class _Unknowns:
+    """What is solved for when these points are held, and with what."""
+
+    held: NDArray[np.int64]
+    pattern: Pattern
+    linear: LinearSolver
 
 
 class Solver:
@@ -76,11 +95,8 @@ class Solver:
     ) -> None:
         self._mesh, self._options = mesh, options
         self._fixed = fixed_points(mesh, fixed)
-        self._elements = make_elements(mesh, materials)
-        self._pattern = make_pattern(mesh.cells, mesh.n_points, self._fixed)
-        self._linear = make_linear_solver(
-            self._pattern, precision="single", threads=options.threads
-        )
+        self._elements = make_elements(mesh, materials, options.element)
+        self._unknowns = self._find_unknowns(np.empty(0, dtype=np.int64))
 
     def solve(self, path: LoadPath) -> Solution:
         """Find equilibrium at every level of a path.
@@ -95,30 +111,44 @@ class Solver:
         InputError
             If a loaded node is missing from the mesh or fixed.
         """
-        path.check_against(self._mesh, self._fixed)
-        return _PathFollower(self, path).follow()
+        loading = Loading(self._mesh, path, self._fixed)
+        return _PathFollower(self._iteration(loading), path, self._options).follow()
 
-    def _iteration(self) -> QuasiNewton:
+    def _iteration(self, loading: Loading) -> QuasiNewton:
+        if not np.array_equal(self._unknowns.held, loading.held):
+            self._unknowns = self._find_unknowns(loading.held)
         return QuasiNewton(
             self._elements,
-            self._pattern,
-            self._linear,
+            self._unknowns.pattern,
+            self._unknowns.linear,
+            loading,
             self._options.tolerance_mm,
             self._options.max_iterations,
         )
+
+    def _find_unknowns(self, held: NDArray[np.int64]) -> _Unknowns:
+        pattern = make_pattern(
+            self._mesh.cells,
+            self._mesh.n_points,
+            np.union1d(self._fixed, held),
+            self._elements.averaging,
+        )
+        linear = make_linear_solver(
+            pattern, precision="single", threads=self._options.threads
+        )
+        return _Unknowns(held, pattern, linear)
 
 
 class _PathFollower:
     """One walk along one path."""
 
-    def __init__(self, solver: Solver, path: LoadPath) -> None:
-        self._options = solver._options
+    def __init__(
+        self, iteration: QuasiNewton, path: LoadPath, options: SolverOptions
+    ) -> None:
+        self._options = options
         self._path = path
-        self._iteration = solver._iteration()
-        force = np.zeros((solver._mesh.n_points, 3))
-        force[path.nodes] = path.forces
-        self._load = force[solver._pattern.free].ravel()
-        self._history = PathHistory(len(self._load))
+        self._iteration = iteration
+        self._history = PathHistory(iteration.pattern.n_unknowns)
 
     def follow(self) -> Solution:
         started = time.perf_counter()
@@ -128,20 +158,22 @@ class _PathFollower:
         residual = np.full(n_levels, np.nan)
         message = ""
         rest = self._history.newest[1]
-        if not iteration.refactorize(rest):
+        if not iteration.refactorize(rest, 0.0):
             raise InputError(
                 "the fixed points don't hold the body: its stiffness matrix is "
                 "singular; fix at least three points that are not in line"
             )
-        self._first_guess = iteration.direction(self._load)
+        # The linear solution, whatever the loads: the residual's slope at rest.
+        slope = iteration.residual(rest, SMALL_FACTOR)[0] / SMALL_FACTOR
+        self._first_guess = iteration.direction(slope)
         for level, target in enumerate(self._path.load_factors):
             found = self._advance(float(target))
             status[level] = found.status
             if found.status != Status.CONVERGED:
                 message = self._explain(found)
                 break
-            displacement[level] = iteration.displacement(found.state)
-            norm = target * np.linalg.norm(self._load)
+            displacement[level] = iteration.displacement(found.state, target)
+            norm = iteration.load_norm(found.state, target)
             residual[level] = found.residual_norm / norm
         return Solution(
             displacement=displacement,
@@ -160,7 +192,7 @@ class _PathFollower:
         while True:
             reached = self._history.newest[0]
             goal = target if reached + 1.5 * step > target else reached + step
-            found = self._iteration.solve(self._guess(goal), goal * self._load)
+            found = self._iteration.solve(self._guess(goal), goal)
             if found.status == Status.CONVERGED:
                 self._history.add(goal, found.state)
                 if goal == target:
@@ -171,7 +203,9 @@ class _PathFollower:
             if step < self._options.min_step:
                 return found
             # The failed try may have left the factor at a useless state.
-            if not self._iteration.refactorize(self._history.newest[1]):
+            if not self._iteration.refactorize(
+                self._history.newest[1], self._history.newest[0]
+            ):
                 return Equilibrium(found.state, Status.LIMIT_POINT, np.inf)
 
     def _guess(self, load_factor: float) -> FloatArray:

@@ -1,0 +1,61 @@
+"""Displacements that are known: surface points pushed to measured places."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class PrescribedDisplacement:
+    """Points that go where they are told, in proportion to the load factor.
+
+    Parameters
+    ----------
+    nodes : (n_held,) integer array
+        Points, each named once; none of them may be fixed or carry a force.
+    displacement : (n_held, 3) array
+        At load factor 1, mm.
+
+    Raises
+    ------
+    InputError
+        If shapes disagree, a node comes twice, or a number is not finite.
+    """
+
+    nodes: IntArray
+    displacement: FloatArray
+
+    def __post_init__(self) -> None:
+        nodes = np.asarray(self.nodes)
+        displacement = np.asarray(self.displacement, dtype=np.float64)
+        if nodes.size == 0 or not np.issubdtype(nodes.dtype, np.integer):
+            raise InputError(
+                f"nodes must be one or more integers (got {nodes.size} {nodes.dtype})"
+            )
+        nodes = nodes.astype(np.int64).ravel()
+        if displacement.shape != (len(nodes), 3):
+            raise InputError(
+                f"displacement must have shape ({len(nodes)}, 3), one row a node "
+                f"(got {displacement.shape})"
+            )
+        if not np.isfinite(displacement).all():
+            raise InputError("displacement must be finite, in mm")
+        if len(np.unique(nodes)) < len(nodes):
+            raise InputError("every prescribed node must be named once")
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "displacement", displacement)
+
+    def check_against(self, mesh: TetMesh) -> None:
+        """Raise InputError if a point is missing from the mesh."""
+        if self.nodes.min() < 0 or self.nodes.max() >= mesh.n_points:
+            raise InputError(
+                f"prescribed nodes must index 0…{mesh.n_points - 1} "
+                f"(got {self.nodes.min()}…{self.nodes.max()})"
+            )
