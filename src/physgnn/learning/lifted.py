@@ -62,10 +62,10 @@ class LiftedModel(Model):
         body: Body,
         *,
         anchors: int = 6,
-        reach: int = 4,
+        reach: int = 3,
         width: int = 32,
-        layers: int = 6,
-        modes: int = 32,
+        layers: int = 4,
+        modes: int = 16,
     ) -> None:
         super().__init__()
         if min(anchors, reach, modes) < 0 or min(width, layers) < 1:
@@ -85,10 +85,10 @@ class LiftedModel(Model):
         self.register_buffer("anchor_states", torch.zeros(anchors, n, 3))
         self.register_buffer("near", torch.ones(n, dtype=torch.bool))
         self.register_buffer("modes", torch.zeros(modes, n, 3))
-        self.register_buffer("mode_scale", torch.ones(2 * modes))
+        self.register_buffer("mode_scale", torch.ones(3 * modes))
         self.local = LiftedNetwork(width, layers)
         self.coefficients = nn.Sequential(
-            nn.Linear(2 * modes, HIDDEN), nn.SiLU(), nn.Linear(HIDDEN, modes)
+            nn.Linear(3 * modes, HIDDEN), nn.SiLU(), nn.Linear(HIDDEN, modes)
         ) if modes else None  # fmt: skip
         self._forget()
         self.register_load_state_dict_post_hook(_forget)  # type: ignore[no-untyped-call]
@@ -103,7 +103,8 @@ class LiftedModel(Model):
         """The expansion, in the body's axes."""
         if self._perturbation is None:
             states = self.anchor_states.cpu().numpy()
-            self._perturbation = Perturbation(self._turned, states)
+            threads = torch.get_num_threads()
+            self._perturbation = Perturbation(self._turned, states, threads=threads)
         return self._perturbation
 
     def fit(self, store: Store, samples: IntArray) -> None:
@@ -128,7 +129,7 @@ class LiftedModel(Model):
             truth = torch.tensor(store.displacement(int(path))[int(level)])
             answer, first, second, _ = torch.split(x, 3, dim=-1)
             missed.append((truth @ self.axes.cpu().T - answer) / _size(second[None])[0])
-            terms.append(torch.stack([first, second]))
+            terms.append(torch.stack([first, second, missed[-1]]))
         shapes = leading_modes(torch.stack(missed).numpy(), len(self.modes))
         self.modes.copy_(as_float32(shapes))
         projected = self._project(torch.stack(terms).to(self.modes))
@@ -157,14 +158,14 @@ class LiftedModel(Model):
         near = self.local(terms[:, patch.points], force[:, patch.points], size, patch)
         correction = torch.zeros_like(answer).index_copy(1, patch.points, near)
         if self.coefficients is not None:
-            projected = self._project(torch.stack([first, second], dim=1))
+            projected = self._project(torch.stack([first, second, correction], dim=1))
             shares = self.coefficients(projected / self.mode_scale)
             correction = correction + torch.tensordot(shares, self.modes, dims=1)
         displacement: Tensor = (answer + self.free * size * correction) @ self.axes
         return displacement
 
     def _project(self, terms: Tensor) -> Tensor:
-        """Return (batch, 2 · modes) products of u₁ and u₂ with the modes."""
+        """Return (batch, 3 · modes) products of three fields with the modes."""
         flat = self.modes.flatten(1)
         return (terms.flatten(2) @ flat.T).flatten(1)
 

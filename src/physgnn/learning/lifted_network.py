@@ -86,9 +86,13 @@ class LiftedNetwork(nn.Module):
 
     def __init__(self, width: int, n_layers: int) -> None:
         super().__init__()
+        message = (width + 1) // 2  # neighbours are told half: it costs half
         self.first = nn.Linear(N_FEATURES, width)
+        self.messages = nn.ModuleList(
+            nn.Linear(width, message, bias=False) for _ in range(n_layers)
+        )
         self.layers = nn.ModuleList(
-            nn.Linear(5 * width, width) for _ in range(n_layers)
+            nn.Linear(width + 4 * message, width) for _ in range(n_layers)
         )
         self.last = nn.Linear(width, 3)
         nn.init.zeros_(self.last.weight)  # training starts from the expansion
@@ -113,8 +117,8 @@ class LiftedNetwork(nn.Module):
         (batch, n, 3) tensor
         """
         h = self.first(_features(terms, force, size, patch))
-        for layer in self.layers:
-            around = patch.stencil(h)
+        for message, layer in zip(self.messages, self.layers, strict=True):
+            around = patch.stencil(message(h))
             h = h + nn.functional.silu(layer(torch.cat([h, around], dim=-1)))
         output: Tensor = self.last(h)
         return output

@@ -16,6 +16,7 @@ from physgnn.geometry.tetmesh import TetMesh
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+CellArray = NDArray[np.integer[Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +37,7 @@ class Stencil:
     transposed: Tensor
 
     @classmethod
-    def from_cells(cls, points: FloatArray, cells: IntArray) -> "Stencil":
+    def from_cells(cls, points: FloatArray, cells: CellArray) -> "Stencil":
         """Build it for points and the cells among them, on the CPU."""
         n = len(points)
         rows = sp.vstack(
@@ -84,7 +85,7 @@ def points_within(mesh: TetMesh, start: IntArray, n_steps: int) -> BoolArray:
     return near
 
 
-def edge_lengths(points: FloatArray, cells: IntArray) -> FloatArray:
+def edge_lengths(points: FloatArray, cells: CellArray) -> FloatArray:
     """Return the mean length of the edges at each point, (n_points,) mm."""
     adjacent = _adjacency(cells, len(points)).tocoo()
     length = np.linalg.norm(points[adjacent.row] - points[adjacent.col], axis=1)
@@ -94,14 +95,14 @@ def edge_lengths(points: FloatArray, cells: IntArray) -> FloatArray:
     return mean
 
 
-def cell_gradients(points: FloatArray, cells: IntArray) -> FloatArray:
+def cell_gradients(points: FloatArray, cells: CellArray) -> FloatArray:
     """Return ∂N_a/∂X of every cell's corners, (n_cells, 4, 3), 1/mm."""
     x = points[cells]
     inverse = np.linalg.inv((x[:, 1:] - x[:, :1]).transpose(0, 2, 1))
     return np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
 
 
-def _adjacency(cells: IntArray, n: int) -> sp.csr_array:
+def _adjacency(cells: CellArray, n: int) -> sp.csr_array:
     start, end = np.repeat(cells, 4, axis=1).ravel(), np.tile(cells, 4).ravel()
     edge = start != end
     ones = np.ones(edge.sum())
@@ -110,13 +111,13 @@ def _adjacency(cells: IntArray, n: int) -> sp.csr_array:
     return matrix
 
 
-def _neighbour_mean(cells: IntArray, n: int) -> sp.csr_array:
+def _neighbour_mean(cells: CellArray, n: int) -> sp.csr_array:
     adjacent = _adjacency(cells, n)
     count = np.maximum(adjacent.sum(axis=1), 1.0)
     return (sp.diags_array(1.0 / count) @ adjacent - sp.eye_array(n)).tocsr()
 
 
-def _gradient(points: FloatArray, cells: IntArray) -> list[sp.csr_array]:
+def _gradient(points: FloatArray, cells: CellArray) -> list[sp.csr_array]:
     n = len(points)
     x = points[cells]
     volume = np.abs(np.linalg.det(x[:, 1:] - x[:, :1])) / 6
