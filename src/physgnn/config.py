@@ -125,6 +125,20 @@ def read_point_sets(path: str | Path) -> dict[str, Rule]:
     return _rules(read_toml(path).get("point_sets", {}), path)
 
 
+def read_materials(path: str | Path | None) -> dict[int, Material]:
+    """Read only the materials of a TOML file, by region; other tables may be there.
+
+    Regions it does not name, or all if there is no file, have the published materials.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a material is wrong.
+    """
+    table = {} if path is None else read_toml(path).get("materials", {})
+    return {**BRAIN_AND_TUMOUR, **_materials(table, path)}
+
+
 def read_training(path: str | Path | None, **changes: Any) -> "TrainingConfig":
     """Read a training configuration; `changes` that are not None win over the file.
 
@@ -204,7 +218,7 @@ def _rules(table: Any, path: str | Path) -> dict[str, Rule]:
     return {name: rule_from_table(rule) for name, rule in table.items()}
 
 
-def _materials(table: Any, path: str | Path) -> dict[int, Material]:
+def _materials(table: Any, path: str | Path | None) -> dict[int, Material]:
     if not isinstance(table, Mapping):
         raise InputError(f"materials in {path} must be tables (got {table!r})")
     materials = {}

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from physgnn.dataset import (
-    PRESETS,
     SOLVERS,
     Generation,
     Preset,
@@ -19,6 +18,7 @@ from physgnn.dataset import (
     verify,
 )
 from physgnn.dataset.generate import DEFAULT_SOLVER
+from physgnn.dataset.presets import find_preset
 from physgnn.errors import InputError
 from physgnn.geometry import (
     Rule,
@@ -153,13 +153,6 @@ def simulate(
     did = generate(opened, progress=progress, **where)
     verify(opened, progress=progress, **where)
     return opened, did
-
-
-def find_preset(name: str) -> Preset:
-    """Return a row of ``PRESETS``; InputError names those there are."""
-    if name not in PRESETS:
-        raise InputError(f"no preset '{name}' (there are: {', '.join(PRESETS)})")
-    return PRESETS[name]
 
 
 def train(

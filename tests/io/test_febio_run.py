@@ -53,7 +53,7 @@ def test_levels_out_of_reach(
     assert found.status[good] == Status.INVERTED
     assert (found.status[good + 1 :] == Status.NOT_REACHED).all()
     assert not found.displacement[good:].any()
-    assert found.message == f"FEBio stopped at load factor {good / 4:.4f}"
+    assert found.message == f"stopped at load factor {good / 4:.4f}"
 
 
 def test_no_result_at_all(

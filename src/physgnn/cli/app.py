@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from physgnn import stages
+from physgnn.cli import exchange
 from physgnn.cli.console import progress, say, working
 from physgnn.errors import InputError
 
@@ -260,3 +261,7 @@ def demo(
     from physgnn.demo import run_demo
 
     print(run_demo(folder, show=progress, log=say))
+
+
+app.command("export")(exchange.export)
+app.command("import")(exchange.import_)

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.errors import InputError
 from physgnn.geometry import point_sets
 from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
 from physgnn.geometry.tetmesh import TetMesh
@@ -96,3 +97,10 @@ PRESETS: Mapping[str, Preset] = {
 The demonstration's force gives 13 to 20 mm at the most displaced point; every level
 converges.
 """
+
+
+def find_preset(name: str) -> Preset:
+    """Return a row of ``PRESETS``; InputError names those there are."""
+    if name not in PRESETS:
+        raise InputError(f"no preset '{name}' (there are: {', '.join(PRESETS)})")
+    return PRESETS[name]

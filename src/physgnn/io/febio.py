@@ -99,7 +99,7 @@ def write_febio(
         raise InputError(
             f"{path}: a FEBio model is written as .feb (got '{path.suffix}')"
         )
-    load_path.check_against(mesh, fixed)
+    load_path.case(0).check_against(mesh, fixed)  # refuses loads that are no forces
     lines = _model(mesh, load_path, materials, fixed, log_of(path).name)
     with whole_file(path) as part, part.open("w", encoding="utf-8") as file:
         file.writelines(f"{line}\n" for line in lines)

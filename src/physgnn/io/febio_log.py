@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.errors import InputError
+from physgnn.io.simulation import solution_of
 from physgnn.mechanics.loads import LoadPath
-from physgnn.mechanics.solution import Solution, Status
+from physgnn.mechanics.solution import Solution
 
 FloatArray = NDArray[np.float64]
 
@@ -43,8 +44,7 @@ def read_febio_log(
     Returns
     -------
     Solution
-        Levels after the last one printed were not reached. FEBio's residual is not in
-        the log: it is NaN, and the time 0.
+        Levels that are not in the log were not reached.
 
     Raises
     ------
@@ -52,8 +52,7 @@ def read_febio_log(
         If the log is missing, is of other nodes, or has a time that is no step's end.
     """
     path = Path(path)
-    displacement = np.zeros((len(times), len(node_ids), 3))
-    status = np.full(len(times), Status.NOT_REACHED, dtype=np.int8)
+    displacement = np.full((len(times), len(node_ids), 3), np.nan)
     for time, rows in _blocks(path):
         if time == 0:
             continue
@@ -64,27 +63,7 @@ def read_febio_log(
                 "without automatic time stepping"
             )
         displacement[level] = _placed(path, time, rows, node_ids)
-        status[level] = Status.CONVERGED
-    return _solution(load_path.load_factors, displacement, status)
-
-
-def _solution(
-    factors: FloatArray, displacement: FloatArray, status: NDArray[np.int8]
-) -> Solution:
-    reached = float(factors[status == Status.CONVERGED].max(initial=0.0))
-    failed = np.flatnonzero(status != Status.CONVERGED)
-    if len(failed):
-        status[failed[0]] = Status.ITERATION_LIMIT
-    return Solution(
-        displacement=displacement,
-        status=status,
-        residual=np.full(len(factors), np.nan),
-        load_factors=factors,
-        reached=reached,
-        message=f"FEBio stopped at load factor {reached:.4f}" if len(failed) else "",
-        seconds=0.0,
-        counts={},
-    )
+    return solution_of(displacement, load_path.load_factors)
 
 
 def _blocks(path: Path) -> Iterator[tuple[float, list[str]]]:

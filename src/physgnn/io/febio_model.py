@@ -7,6 +7,7 @@ leaving it out would change the answer.
 
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,9 @@ from numpy.typing import NDArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio import AXES, REGION_PREFIX
+from physgnn.io.febio_log import read_febio_log
 from physgnn.io.febio_materials import material_of
+from physgnn.io.simulation import Simulation
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import Material
 
@@ -80,6 +83,31 @@ def read_febio(path: str | Path) -> FebioModel:
         raise InputError(
             f"{path}: an entry is missing or no number ({error})"
         ) from error
+
+
+def read_febio_results(path: Path) -> list[Simulation]:
+    """Read a model, and its log when the answer is asked for.
+
+    Raises
+    ------
+    InputError
+        As `read_febio`, or if the model asks for no log of displacements.
+    """
+    model = read_febio(path)
+    if model.log is None:
+        raise InputError(
+            f'{path}: needs <node_data data="ux;uy;uz" file=…> under Output/logfile, '
+            "and FEBio run with it"
+        )
+    answer = partial(
+        read_febio_log,
+        model.log,
+        model.load_path,
+        times=model.times,
+        node_ids=model.node_ids,
+    )
+    asked = (model.mesh, model.fixed, model.load_path, model.materials)
+    return [Simulation(str(path), *asked, answer)]
 
 
 class _Reader:

@@ -5,11 +5,13 @@ from pathlib import Path
 from typing import Any
 
 import pyvista as pv
+from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 from physgnn.errors import InputError
 
 READERS: Mapping[str, Any] = {
+    ".vtk": vtkUnstructuredGridReader,
     ".vtp": vtkXMLPolyDataReader,
     ".vtu": vtkXMLUnstructuredGridReader,
 }

@@ -28,7 +28,7 @@ def write_mesh(path: str | Path, mesh: TetMesh) -> None:
     InputError
         If the name does not end in .vtu or the folder is missing.
     """
-    _save(Path(path), _grid(mesh))
+    save_grid(Path(path), grid_of(mesh))
 
 
 def write_prediction(
@@ -51,7 +51,7 @@ def write_prediction(
     InputError
         If a field has another shape, or the path cannot be written.
     """
-    grid = _grid(mesh)
+    grid = grid_of(mesh)
     for name, field in fields.items():
         values = np.asarray(field)
         if values.shape not in ((mesh.n_points,), (mesh.n_points, 3)):
@@ -60,7 +60,7 @@ def write_prediction(
                 f"({mesh.n_points},) or ({mesh.n_points}, 3) (got {values.shape})"
             )
         grid.point_data[name] = values
-    _save(Path(path), grid)
+    save_grid(Path(path), grid)
 
 
 def read_mesh(path: str | Path) -> TetMesh:
@@ -79,29 +79,36 @@ def read_mesh(path: str | Path) -> TetMesh:
         if path.suffix != ".vtu" or b'type="UnstructuredGrid"' not in file.read(4096):
             raise InputError(f"{path}: expected a VTU mesh, which it is not")
     grid = read_vtk(path)
-    if grid.n_cells == 0 or (grid.celltypes != pv.CellType.TETRA).any():
-        raise InputError(f"{path}: every cell must be a linear tetrahedron")
-    if "region" not in grid.cell_data:
-        have = ", ".join(grid.cell_data.keys()) or "none"
-        raise InputError(
-            f"{path}: needs a cell array 'region' (0 brain, 1 tumour; it has: {have})"
-        )
     try:
-        return TetMesh(
-            points=grid.points,
-            cells=grid.cell_connectivity.reshape(-1, 4),
-            region=grid.cell_data["region"],
-            point_sets={
-                name.removeprefix(SET_PREFIX): grid.field_data[name]
-                for name in grid.field_data.keys()  # noqa: SIM118 (no mapping)
-                if name.startswith(SET_PREFIX)
-            },
-        )
+        return mesh_of(grid)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
 
-def _grid(mesh: TetMesh) -> pv.UnstructuredGrid:
+def mesh_of(grid: pv.DataSet) -> TetMesh:
+    """Return the mesh of a grid; InputError if it has other cells or no regions."""
+    if grid.n_cells == 0 or (grid.celltypes != pv.CellType.TETRA).any():
+        raise InputError("every cell must be a linear tetrahedron")
+    if "region" not in grid.cell_data:
+        have = ", ".join(grid.cell_data.keys()) or "none"
+        raise InputError(
+            f"needs a cell array 'region' (0 brain, 1 tumour; it has: {have})"
+        )
+    return TetMesh(
+        points=grid.points,
+        cells=grid.cell_connectivity.reshape(-1, 4),
+        region=grid.cell_data["region"],
+        point_sets={
+            # a copy: VTK's 64-bit integers are not the type of NumPy's
+            name.removeprefix(SET_PREFIX): np.array(grid.field_data[name], np.int64)
+            for name in grid.field_data.keys()  # noqa: SIM118 (no mapping)
+            if name.startswith(SET_PREFIX)
+        },
+    )
+
+
+def grid_of(mesh: TetMesh) -> pv.UnstructuredGrid:
+    """Return a mesh as VTK has it, with regions and point sets."""
     grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
     grid.cell_data["region"] = mesh.region
     for name, ids in mesh.point_sets.items():
@@ -112,7 +119,8 @@ def _grid(mesh: TetMesh) -> pv.UnstructuredGrid:
     return grid
 
 
-def _save(path: Path, grid: pv.UnstructuredGrid) -> None:
+def save_grid(path: Path, grid: pv.UnstructuredGrid) -> None:
+    """Write a grid; InputError if the name does not end in .vtu."""
     if path.suffix != ".vtu":
         raise InputError(f"{path}: a mesh is written as .vtu (got '{path.suffix}')")
     with whole_file(path) as part:
