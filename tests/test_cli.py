@@ -58,7 +58,7 @@ def folder(tmp_path: Path, block: TetMesh) -> Path:
 def test_help_lists_the_commands(call: Call) -> None:
     code, out, _ = call("--help")
     assert code == 0
-    for name in (*STEPS, "published", "demo"):
+    for name in (*STEPS, "export", "import", "published", "demo"):
         assert f"\n  {name} " in out
 
 
@@ -68,6 +68,7 @@ def test_from_mesh_to_prediction(call: Call, folder: Path) -> None:
     simulate = ("simulate", folder / "case.vtu", "--loads", folder / "loads.toml")
     code, out, err = call(*simulate, "--workers", 1, "-o", store)
     assert (code, "10 load paths solved now, 0 pending" in out) == (0, True), err
+    assert "checked 2 of 20 levels against full Newton: largest difference" in out
     before = Store.open(store).content_hash()
     code, out, _ = call(*simulate, "-o", store)
     assert (code, "0 load paths solved now" in out) == (0, True)
@@ -98,6 +99,28 @@ def test_from_mesh_to_prediction(call: Call, folder: Path) -> None:
     assert (folder / "out.vtu").is_file()
 
 
+def test_out_and_back(call: Call, folder: Path) -> None:
+    store, loads = folder / "loads.zarr", ("--loads", folder / "loads.toml")
+    call("simulate", folder / "case.vtu", *loads, "--workers", 1, "-o", store)
+    export = ("export", folder / "case.vtu", "--path", 3, *loads)
+    code, out, err = call(*export, "--febio", folder / "of-mesh.feb")
+    assert (code, out.strip()) == (0, str(folder / "of-mesh.feb")), err
+    export = ("export", store, "--path", 3)
+    code, _, err = call(*export, "--febio", folder / "of-store.feb")
+    assert code == 0, err
+    of_mesh, of_store = (folder / f"of-{what}.feb" for what in ("mesh", "store"))
+    assert of_mesh.read_text().replace("of-mesh", "of-store") == of_store.read_text()
+    assert call(*export, "--series", folder / "three")[0] == 0
+    assert call(*export, "--arrays", folder / "all.npz")[0] == 0
+    sources = ("import", folder / "all.npz", folder / "three")
+    back = ("--materials", folder / "loads.toml", "-o", folder / "back.zarr")
+    code, out, err = call(*sources, *back)
+    assert (code, "11 load paths of 2 levels, 22 levels" in out) == (0, True), err
+    ours, theirs = Store.open(store), Store.open(folder / "back.zarr")
+    assert theirs.materials == ours.materials
+    assert (theirs.displacement(10) == ours.displacement(3)).all()
+
+
 def test_mistakes_are_one_line_and_leave_nothing(call: Call, folder: Path) -> None:
     case, loads, out = folder / "case.vtu", folder / "loads.toml", folder / "result"
     (folder / "wrong.toml").write_text(LOADS.replace("paths", "path"))
@@ -110,6 +133,12 @@ def test_mistakes_are_one_line_and_leave_nothing(call: Call, folder: Path) -> No
         (("simulate", loads, "--loads", loads), "loads.toml"),
         (("simulate", case, "--loads", folder / "wrong.toml"), "unknown key 'path'"),
         (("simulate", case, "--loads", loads, "--workers", 0), "--workers"),
+        (
+            ("simulate", case, "--loads", loads, "--solver", "abaqus"),
+            "no solver 'abaqus'",
+        ),
+        (("import", folder / "no.npz"), "no.npz: no such file"),
+        (("import", case), "expected .feb, .npz, a folder of .vtu files"),
         (("train", folder / "no.zarr"), "no.zarr is not a dataset store"),
         (("train", case, "--model", "oracle"), "model must be one of"),
         (("predict", folder / "no-run", "--load", loads), "no-run is no finished run"),
