@@ -47,6 +47,7 @@ def run(
         try:
             done = subprocess.run(
                 [sys.executable, "-P", __file__, folder, switches],
+                cwd=folder,  # where it fails, TetGen leaves files behind
                 capture_output=True,
                 text=True,
                 errors="replace",
