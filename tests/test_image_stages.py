@@ -2,13 +2,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import SimpleITK as sitk
 
 from physgnn.errors import InputError
+from physgnn.geometry import tetgen_process
 from physgnn.geometry.image import Image, LabelVolume
-from physgnn.image_stages import mesh_segmentation
-from physgnn.io.nifti import write_image
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.image_stages import mesh_segmentation, warp_image
+from physgnn.io import write_prediction
+from physgnn.io.nifti import read_image, read_segmentation, write_image
 
-pytest.importorskip("tetgen")
+needs_tetgen = pytest.mark.skipif(
+    not tetgen_process.available(), reason="meshing needs the tetgen extra"
+)
 
 
 @pytest.fixture
@@ -23,6 +29,7 @@ def labels() -> LabelVolume:
     return LabelVolume(data, affine)
 
 
+@needs_tetgen
 def test_volumes_of_mesh_and_labels_agree(labels: LabelVolume, tmp_path: Path) -> None:
     write_image(tmp_path / "seg.nii.gz", labels)
     said: list[str] = []
@@ -47,6 +54,7 @@ def test_volumes_of_mesh_and_labels_agree(labels: LabelVolume, tmp_path: Path) -
     assert sum("labels" in line and "apart on average" in line for line in said) == 3
 
 
+@needs_tetgen
 def test_a_brain_mask_completes_a_map_of_tumours(
     labels: LabelVolume, tmp_path: Path
 ) -> None:
@@ -66,4 +74,41 @@ def test_a_brain_mask_completes_a_map_of_tumours(
     with pytest.raises(InputError, match="voxels of the label map"):
         mesh_segmentation(
             tmp_path / "seg.nii", "brats", brain_mask=tmp_path / "small.nii"
+        )
+
+
+def test_warp_writes_all_that_is_asked(block: TetMesh, tmp_path: Path) -> None:
+    affine = np.diag([0.5, 0.5, 0.5, 1.0])
+    affine[:3, 3] = -5.0
+    x = np.moveaxis(np.indices((40, 40, 40)), 0, -1) * 0.5 - 5.0
+    ball = np.linalg.norm(x - 5.0, axis=-1) < 3.0
+    write_image(tmp_path / "t1.nii.gz", Image(ball * 100.0, affine))
+    write_image(tmp_path / "seg.nii.gz", LabelVolume(ball * 3, affine))
+    u = np.tile([1.0, 0.0, -0.5], (block.n_points, 1))
+    write_prediction(tmp_path / "out.vtu", block, {"displacement_mm": u})
+    said: list[str] = []
+    names = ("w.nii.gz", "t.h5", "t.nii.gz", "j.nii.gz", "s.png")
+    moved, transform, field, jacobian, slices = (tmp_path / name for name in names)
+    warp_image(
+        tmp_path / "t1.nii.gz",
+        tmp_path / "out.vtu",
+        moved,
+        fields=[transform, field],
+        jacobian=jacobian,
+        slices=slices,
+        log=said.append,
+    )
+    expected = np.linalg.norm(x - 5.0 - u[0], axis=-1) < 3.0
+    np.testing.assert_array_equal(read_image(moved).data > 50, expected)
+    np.testing.assert_allclose(read_image(jacobian).data, 1.0, atol=1e-6)
+    assert slices.read_bytes().startswith(b"\x89PNG")
+    assert said[0].startswith("round trip") and "nothing folds" in said[1]
+    source = sitk.ReadTransform(str(transform)).TransformPoint((-5.0, -5.0, 5.0))
+    np.testing.assert_allclose(source, [-4.0, -5.0, 5.5], atol=1e-6)
+
+    warp_image(tmp_path / "seg.nii.gz", tmp_path / "out.vtu", moved, labels=True)
+    np.testing.assert_array_equal(read_segmentation(moved).data, expected * 3)
+    with pytest.raises(InputError, match="png"):
+        warp_image(
+            tmp_path / "t1.nii.gz", tmp_path / "out.vtu", moved, slices="slices.jpg"
         )
