@@ -17,10 +17,10 @@ from physgnn.mechanics import (
 )
 from physgnn.mechanics.element import (
     ELEMENTS,
-    deformation_gradient,
     internal_force,
     make_elements,
 )
+from physgnn.mechanics.kinematics import deformation_gradient
 
 SIDE = 10.0  # mm
 # A rule of degree 2 on the tetrahedron (Keast 1986): four points of equal weight.

@@ -11,11 +11,11 @@ from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
 from physgnn.mechanics.element import (
-    deformation_gradient,
     internal_force,
     make_elements,
     strain_energy,
 )
+from physgnn.mechanics.kinematics import deformation_gradient
 from physgnn.mechanics.materials import TISSUES, MooneyRivlin, NeoHookean
 
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}

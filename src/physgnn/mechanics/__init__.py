@@ -1,8 +1,8 @@
 """Hyperelastic finite elements: materials, loads, equilibrium along a load path."""
 
-from physgnn.mechanics.element import deformation_gradient
 from physgnn.mechanics.gravity import Gravity
 from physgnn.mechanics.kernel_cache import drop_stale_kernels
+from physgnn.mechanics.kinematics import deformation_gradient
 from physgnn.mechanics.loads import Load, LoadCase, LoadPath
 from physgnn.mechanics.materials import (
     TISSUES,

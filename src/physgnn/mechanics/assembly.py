@@ -13,9 +13,9 @@ from physgnn.mechanics.element import (
     Elements,
     MeanState,
     _element_tangent,
-    _kinematics,
     mean_state,
 )
+from physgnn.mechanics.kinematics import kinematics
 from physgnn.mechanics.materials import table
 
 FloatArray = NDArray[np.float64]
@@ -148,7 +148,7 @@ def _assemble(  # type: ignore[no-untyped-def]
     A, Ag = np.empty((3, 3, 3, 3)), np.empty((3, 3, 3))
     K = np.empty((4, 4, 3, 3))
     for e in range(len(cells)):
-        J = _kinematics(cells[e], gradients[e], u, F, H)
+        J = kinematics(cells[e], gradients[e], u, F, H)
         if not J > 0.0:
             return e
         table.tangent(law[e], F, H, J, constants[e], A)

@@ -1,4 +1,4 @@
-"""Linear tetrahedra: deformation gradient, internal force, energy and tangent.
+"""Linear tetrahedra: internal force, energy and tangent.
 
 Every kernel loops over cells in order and adds up in that order, so an answer does
 not depend on the number of threads or on the machine's scheduling.
@@ -19,6 +19,7 @@ from physgnn.mechanics.averaging import (
     make_averaging,
     mean_volume_change,
 )
+from physgnn.mechanics.kinematics import kinematics, volume_changes
 from physgnn.mechanics.materials import table
 from physgnn.mechanics.materials.table import LAW_INDEX, MAX_CONSTANTS, Material
 
@@ -110,50 +111,6 @@ def make_elements(
     )
 
 
-def deformation_gradient(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
-    """F = I + Σ_a u_a ⊗ ∂N_a/∂X.
-
-    Parameters
-    ----------
-    mesh : TetMesh
-    displacement : (n_points, 3) array
-        mm.
-
-    Returns
-    -------
-    (n_cells, 3, 3) array
-    """
-    x = mesh.points[mesh.cells]
-    current = x + displacement[mesh.cells]
-    reference = np.stack([x[:, a] - x[:, 0] for a in (1, 2, 3)], axis=-1)
-    deformed = np.stack([current[:, a] - current[:, 0] for a in (1, 2, 3)], axis=-1)
-    F: FloatArray = deformed @ np.linalg.inv(reference)
-    return F
-
-
-@njit(cache=True, inline="always")
-def _kinematics(cell, gradient, u, F, H):  # type: ignore[no-untyped-def]
-    """Fill F and H = F⁻ᵀ of one cell; return J = det F (H is left if J ≤ 0)."""
-    for i in range(3):
-        for j in range(3):
-            F[i, j] = 1.0 if i == j else 0.0
-            for a in range(4):
-                F[i, j] += u[cell[a], i] * gradient[a, j]
-    c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
-    c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
-    c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
-    J = F[0, 0] * c00 + F[0, 1] * c01 + F[0, 2] * c02
-    if J > 0.0:
-        H[0, 0], H[0, 1], H[0, 2] = c00 / J, c01 / J, c02 / J
-        H[1, 0] = (F[0, 2] * F[2, 1] - F[0, 1] * F[2, 2]) / J
-        H[1, 1] = (F[0, 0] * F[2, 2] - F[0, 2] * F[2, 0]) / J
-        H[1, 2] = (F[0, 1] * F[2, 0] - F[0, 0] * F[2, 1]) / J
-        H[2, 0] = (F[0, 1] * F[1, 2] - F[0, 2] * F[1, 1]) / J
-        H[2, 1] = (F[0, 2] * F[1, 0] - F[0, 0] * F[1, 2]) / J
-        H[2, 2] = (F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]) / J
-    return J
-
-
 @njit(cache=True, inline="always")
 def _add_force(cell, gradient, volume, P, force):  # type: ignore[no-untyped-def]
     for a in range(4):
@@ -171,14 +128,14 @@ def _internal_force(cells, gradients, volumes, law, constants, pressure, u, forc
     e = 0
     # The first law has a loop of its own: choosing among laws costs a sixth of it.
     while e < len(cells) and law[e] == 0 and len(pressure) == 0:
-        J = _kinematics(cells[e], gradients[e], u, F, H)
+        J = kinematics(cells[e], gradients[e], u, F, H)
         if not J > 0.0:
             return e
         table.stress(0, F, H, J, constants[e], P)
         _add_force(cells[e], gradients[e], volumes[e], P, force)
         e += 1
     for e in range(e, len(cells)):  # noqa: B020
-        J = _kinematics(cells[e], gradients[e], u, F, H)
+        J = kinematics(cells[e], gradients[e], u, F, H)
         if not J > 0.0:
             return e
         table.stress(law[e], F, H, J, constants[e], P)
@@ -195,7 +152,7 @@ def _strain_energy(cells, gradients, volumes, law, constants, u):  # type: ignor
     F, H = np.empty((3, 3)), np.empty((3, 3))
     total = 0.0
     for e in range(len(cells)):
-        J = _kinematics(cells[e], gradients[e], u, F, H)
+        J = kinematics(cells[e], gradients[e], u, F, H)
         if not J > 0.0:
             return np.inf
         total += volumes[e] * table.energy(law[e], F, J, constants[e])
@@ -224,20 +181,6 @@ def _element_tangent(gradient, volume, A, Ag, K):  # type: ignore[no-untyped-def
                     )
 
 
-@njit(cache=True)
-def _volume_changes(cells, gradients, u, J, cofactors):  # type: ignore[no-untyped-def]
-    """Fill J and J F⁻ᵀ of every cell; return the first inverted cell or −1."""
-    F, H = np.empty((3, 3)), np.empty((3, 3))
-    for e in range(len(cells)):
-        J[e] = _kinematics(cells[e], gradients[e], u, F, H)
-        if not J[e] > 0.0:
-            return e
-        for i in range(3):
-            for j in range(3):
-                cofactors[e, i, j] = J[e] * H[i, j]
-    return -1
-
-
 @dataclass(frozen=True, eq=False)
 class MeanState:
     """The averaged change of volume at one displacement."""
@@ -253,7 +196,7 @@ def mean_state(elements: Elements, u: FloatArray) -> tuple[MeanState | None, int
     assert averaging is not None
     J = np.empty(len(elements.cells))
     cofactors = np.empty((len(J), 3, 3))
-    inverted = _volume_changes(elements.cells, elements.gradients, u, J, cofactors)
+    inverted = volume_changes(elements.cells, elements.gradients, u, J, cofactors)
     if inverted >= 0:
         return None, int(inverted)
     mean = mean_volume_change(J, elements.volumes, averaging.groups, averaging.volumes)

@@ -1,0 +1,67 @@
+"""Kinematics of a linear tetrahedron: F, its inverse transpose, change of volume."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from physgnn.geometry.tetmesh import TetMesh
+
+FloatArray = NDArray[np.float64]
+
+
+def deformation_gradient(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
+    """F = I + Σ_a u_a ⊗ ∂N_a/∂X.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    displacement : (n_points, 3) array
+        mm.
+
+    Returns
+    -------
+    (n_cells, 3, 3) array
+    """
+    x = mesh.points[mesh.cells]
+    current = x + displacement[mesh.cells]
+    reference = np.stack([x[:, a] - x[:, 0] for a in (1, 2, 3)], axis=-1)
+    deformed = np.stack([current[:, a] - current[:, 0] for a in (1, 2, 3)], axis=-1)
+    F: FloatArray = deformed @ np.linalg.inv(reference)
+    return F
+
+
+@njit(cache=True, inline="always")
+def kinematics(cell, gradient, u, F, H):  # type: ignore[no-untyped-def]
+    """Fill F and H = F⁻ᵀ of one cell; return J = det F (H is left if J ≤ 0)."""
+    for i in range(3):
+        for j in range(3):
+            F[i, j] = 1.0 if i == j else 0.0
+            for a in range(4):
+                F[i, j] += u[cell[a], i] * gradient[a, j]
+    c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
+    c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
+    c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
+    J = F[0, 0] * c00 + F[0, 1] * c01 + F[0, 2] * c02
+    if J > 0.0:
+        H[0, 0], H[0, 1], H[0, 2] = c00 / J, c01 / J, c02 / J
+        H[1, 0] = (F[0, 2] * F[2, 1] - F[0, 1] * F[2, 2]) / J
+        H[1, 1] = (F[0, 0] * F[2, 2] - F[0, 2] * F[2, 0]) / J
+        H[1, 2] = (F[0, 1] * F[2, 0] - F[0, 0] * F[2, 1]) / J
+        H[2, 0] = (F[0, 1] * F[1, 2] - F[0, 2] * F[1, 1]) / J
+        H[2, 1] = (F[0, 2] * F[1, 0] - F[0, 0] * F[1, 2]) / J
+        H[2, 2] = (F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]) / J
+    return J
+
+
+@njit(cache=True)
+def volume_changes(cells, gradients, u, J, cofactors):  # type: ignore[no-untyped-def]
+    """Fill J and J F⁻ᵀ of every cell; return the first inverted cell or −1."""
+    F, H = np.empty((3, 3)), np.empty((3, 3))
+    for e in range(len(cells)):
+        J[e] = kinematics(cells[e], gradients[e], u, F, H)
+        if not J[e] > 0.0:
+            return e
+        for i in range(3):
+            for j in range(3):
+                cofactors[e, i, j] = J[e] * H[i, j]
+    return -1
