@@ -33,6 +33,10 @@ def check(mesh: TetMesh, paths: Sequence[LoadPath], fixed: NDArray[np.int64]) ->
         raise InputError("a dataset needs one load path or more (got none)")
     for i, path in enumerate(paths):
         path.check_against(mesh, fixed)
+        if path.more:
+            raise InputError(
+                f"a dataset keeps nodal forces alone; path {i} has other loads too"
+            )
         if not np.array_equal(path.load_factors, paths[0].load_factors):
             raise InputError(
                 f"all load paths must have the same load factors (path {i} differs)"
