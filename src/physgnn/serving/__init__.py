@@ -1,1 +1,5 @@
-"""TODO."""
+"""The live view: a page that pushes the brain, and a server that answers."""
+
+from physgnn.serving.serve import serve
+
+__all__ = ["serve"]

@@ -1,0 +1,162 @@
+"""From a question of the page to the frames that answer it."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.mechanics.loads import LoadCase
+from physgnn.prediction.prediction import Prediction
+from physgnn.serving.engine import FINITE_ELEMENTS, Engine
+from physgnn.serving.fields import FIELDS
+from physgnn.serving.frames import encode
+from physgnn.serving.messages import MAX_RADIUS_MM, Push
+from physgnn.serving.patch import Exposed, push
+from physgnn.serving.section import AXES, Section
+from physgnn.serving.viewed import DEFAULT_FORCE_N
+
+FloatArray = NDArray[np.float64]
+
+
+def load_case(engine: Engine, message: Push) -> LoadCase:
+    """Return the nodal forces a push means."""
+    point, force = np.array(message.point), np.array(message.force_n)
+    return push(engine.viewed.exposed, point, force, message.radius_mm)
+
+
+def scene_frame(engine: Engine) -> bytes:
+    """Return everything the page draws that does not depend on a load."""
+    viewed, shown = engine.viewed, engine.shown
+    exposed = viewed.exposed
+    on_surface = np.isin(shown.nodes, exposed.nodes)
+    nodes = _tumour_nodes(engine)
+    tumour = None if nodes is None else viewed.body.mesh.points[nodes]
+    header = {
+        "kind": "scene",
+        "title": viewed.title,
+        "answers": list(viewed.answers),
+        "coverage": viewed.calibration.coverage if viewed.calibration else None,
+        "n_points": viewed.body.mesh.n_points,
+        "n_cells": viewed.body.mesh.n_cells,
+        "image": engine.image is not None,
+        "normal": exposed.normals.mean(axis=0).tolist(),
+        "tumour_centre": None if tumour is None else tumour.mean(axis=0).tolist(),
+        **_limits(engine),
+    }
+    arrays: dict[str, NDArray[Any]] = {
+        "points": viewed.body.mesh.points[shown.nodes],
+        "exposed": on_surface.astype(np.uint8),
+        **{f"faces:{name}": faces for name, faces in shown.faces.items()},
+    }
+    return encode(header, arrays)
+
+
+def answer_frame(
+    engine: Engine,
+    message: Push,
+    answer: tuple[str, LoadCase, Prediction],
+    section: Section | None,
+) -> bytes:
+    """Return one predictor's answer to a push, at the points drawn."""
+    name, case, prediction = answer
+    displacement = prediction.displacement
+    length = np.linalg.norm(displacement, axis=1)
+    estimate, status = prediction.error_estimate_mm, prediction.status
+    header = {
+        "kind": "answer",
+        "id": message.id,
+        "answer": name,
+        "field": message.field,
+        "status": str(status),
+        "remedy": status.remedy,
+        "reasons": engine.viewed.reasons_outside(case) if name == "network" else [],
+        "error": None
+        if estimate is None
+        else {
+            "mean_mm": estimate.mean_mm,
+            "max_mm": estimate.max_mm,
+            "coverage": estimate.coverage,
+        },
+        "seconds": prediction.seconds,
+        "largest_mm": float(length.max()),
+        "tumour_mm": _tumour_shift(engine, displacement),
+        "loaded_nodes": len(case.nodes),
+    }
+    arrays = {"displacement": displacement[engine.shown.nodes]}
+    if section is not None:
+        arrays["section_displacement"] = section.at(displacement)
+    field = _field(engine, message, answer)
+    if field is not None:
+        arrays["field"] = field[engine.shown.nodes]
+        if section is not None:
+            arrays["section_field"] = section.at(field)
+    return encode(header, arrays)
+
+
+def section_frame(engine: Engine, axis: str, offset_mm: float, made: Section) -> bytes:
+    """Return a section at rest, and the image on it if there is one."""
+    points = engine.viewed.body.mesh.points
+    arrays: dict[str, NDArray[Any]] = {"points": made.at(points), "faces": made.faces}
+    arrays["region"] = made.region
+    low, high = points.min(axis=0), points.max(axis=0)
+    if engine.image is not None:
+        arrays["image"] = engine.image.slice(axis, offset_mm, low, high)
+    header = {
+        "kind": "section",
+        "axis": AXES[axis],
+        "offset_mm": offset_mm,
+        "low": low.tolist(),
+        "high": high.tolist(),
+    }
+    return encode(header, arrays)
+
+
+def _field(
+    engine: Engine, message: Push, answer: tuple[str, LoadCase, Prediction]
+) -> FloatArray | None:
+    name, case, prediction = answer
+    if message.field not in FIELDS:
+        return None
+    if message.field == "error" and name == FINITE_ELEMENTS:
+        within = prediction.error_estimate_mm
+        size = len(prediction.displacement)
+        return None if within is None else np.full(size, within.max_mm)
+    return FIELDS[message.field](engine.viewed, name, case, prediction.displacement)
+
+
+def _tumour_shift(engine: Engine, displacement: FloatArray) -> float | None:
+    """Return the mean displacement of the tumour's surface, as a length, mm."""
+    nodes = _tumour_nodes(engine)
+    if nodes is None:
+        return None
+    return float(np.linalg.norm(displacement[nodes].mean(axis=0)))
+
+
+def _tumour_nodes(engine: Engine) -> NDArray[np.int64] | None:
+    faces = engine.shown.faces.get("tumour")
+    return None if faces is None else engine.shown.nodes[np.unique(faces)]
+
+
+def _limits(engine: Engine) -> dict[str, float]:
+    """Return where the page's sliders start and end."""
+    viewed, exposed = engine.viewed, engine.viewed.exposed
+    if viewed.calibration is None:
+        force, radius = DEFAULT_FORCE_N, _radius_of(exposed, len(exposed.nodes) // 3)
+        return {"force_n": force, "max_force_n": 4 * force, **_radii(radius)}
+    trained = viewed.calibration.trained_range
+    radius = _radius_of(exposed, trained.fewest_nodes)
+    force = trained.total_force_n
+    return {"force_n": force / 3, "max_force_n": 1.25 * force, **_radii(radius)}
+
+
+def _radii(radius_mm: float) -> dict[str, float]:
+    return {"radius_mm": radius_mm, "max_radius_mm": min(2 * radius_mm, MAX_RADIUS_MM)}
+
+
+def _radius_of(exposed: Exposed, n_nodes: int) -> float:
+    """Return the radius that holds so many nodes about the middle of the surface."""
+    centre = exposed.points.mean(axis=0)
+    middle = exposed.points[np.linalg.norm(exposed.points - centre, axis=1).argmin()]
+    distance = np.sort(np.linalg.norm(exposed.points - middle, axis=1))
+    reach = distance[min(max(n_nodes, 1), len(distance)) - 1]
+    return float(np.ceil(1.1 * max(reach, 3.0)))

@@ -1,0 +1,121 @@
+"""The web application: a page, its WebSocket, and a load case to keep."""
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, suppress
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
+from fastapi.responses import FileResponse, JSONResponse
+from fastapi.staticfiles import StaticFiles
+from starlette.middleware.trustedhost import TrustedHostMiddleware
+
+from physgnn.errors import InputError
+from physgnn.serving.answers import load_case
+from physgnn.serving.engine import Engine
+from physgnn.serving.messages import MAX_BYTES, read_push
+from physgnn.serving.session import Session
+
+STATIC = Path(__file__).with_name("static")
+HOSTS = ["127.0.0.1", "localhost", "[::1]"]
+
+Beside = Callable[[], AbstractAsyncContextManager[None]]
+
+
+def make_app(engine: Engine, *beside: Beside) -> FastAPI:
+    """Return the application.
+
+    Parameters
+    ----------
+    engine : Engine
+        Answers for all sessions; closed with the application.
+    *beside : callables
+        Contexts to run as long as the application does.
+    """
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        warming = asyncio.create_task(engine.warm_up())
+        async with _all(*beside):
+            yield
+        warming.cancel()
+        engine.close()
+
+    app = FastAPI(lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
+    # A page elsewhere must not reach this server under another name.
+    app.add_middleware(TrustedHostMiddleware, allowed_hosts=HOSTS)
+    app.middleware("http")(_uncached)
+    app.add_api_route("/", _page, include_in_schema=False)
+    app.mount("/static", StaticFiles(directory=STATIC), name="static")
+    _add_load_case(app, engine)
+    _add_live(app, engine)
+    return app
+
+
+def _add_load_case(app: FastAPI, engine: Engine) -> None:
+    @app.post("/load-case")
+    async def keep(request: Request) -> Response:
+        """Return the nodal forces of a push, as ``physgnn predict --load`` reads."""
+        content = bytearray()
+        async for part in request.stream():
+            content += part
+            if len(content) > MAX_BYTES:
+                break
+        try:
+            case = load_case(engine, read_push(content.decode("utf-8", "replace")))
+        except InputError as error:
+            return JSONResponse({"error": str(error)}, status_code=422)
+        return JSONResponse(
+            {"nodes": case.nodes.tolist(), "forces_n": case.forces.tolist()}
+        )
+
+
+def _add_live(app: FastAPI, engine: Engine) -> None:
+    @app.websocket("/live")
+    async def live(socket: WebSocket) -> None:
+        if not _same_origin(socket):
+            await socket.close(1008, "only this server's own page may connect")
+            return
+        await socket.accept()
+        session = Session(engine, socket.send_text, socket.send_bytes)
+        # The browser may leave while an answer is on its way.
+        with suppress(WebSocketDisconnect, RuntimeError):
+            await session.run(_messages(socket))
+
+
+async def _messages(socket: WebSocket) -> AsyncIterator[str | bytes]:
+    while True:
+        message = await socket.receive()
+        if message["type"] == "websocket.disconnect":
+            return
+        text = message.get("text")
+        yield message.get("bytes") or b"" if text is None else text
+
+
+def _same_origin(socket: WebSocket) -> bool:
+    """Return whether the page comes from here; programs send no origin."""
+    origin = socket.headers.get("origin")
+    return origin is None or urlsplit(origin).netloc == socket.headers.get("host")
+
+
+async def _page() -> FileResponse:
+    return FileResponse(STATIC / "index.html")
+
+
+async def _uncached(
+    request: Request, call_next: Callable[[Request], Awaitable[Response]]
+) -> Response:
+    """Have the browser ask again, so that an updated package shows its own page."""
+    response = await call_next(request)
+    response.headers["Cache-Control"] = "no-cache"
+    return response
+
+
+@asynccontextmanager
+async def _all(*contexts: Beside) -> AsyncIterator[None]:
+    if not contexts:
+        yield
+        return
+    async with contexts[0](), _all(*contexts[1:]):
+        yield

@@ -1,0 +1,71 @@
+"""What all sessions share: the predictors, one thread for them, and the solver."""
+
+import asyncio
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import TypeVar
+
+from physgnn.mechanics.loads import LoadCase
+from physgnn.prediction.prediction import Prediction
+from physgnn.serving.image import Image
+from physgnn.serving.refine import Refiner
+from physgnn.serving.shown import Shown
+from physgnn.serving.viewed import Viewed
+
+FINITE_ELEMENTS = "finite elements"
+
+T = TypeVar("T")
+
+
+class Engine:
+    """Answers load cases for every session, one after another.
+
+    The predictors keep state (factorisations, buffers), so one thread runs them; a
+    session has at most one question in its queue, so nobody waits for a crowd.
+
+    Parameters
+    ----------
+    viewed : Viewed
+        What is on show.
+    image : Image, optional
+        Preoperative image for sections.
+
+    Attributes
+    ----------
+    listeners : list of callables
+        Each is told every answer's displacement and prediction, in the event loop.
+    """
+
+    def __init__(self, viewed: Viewed, image: Image | None = None) -> None:
+        self.viewed, self.image = viewed, image
+        self.shown = Shown.of(viewed.body.mesh)
+        self.listeners: list[Callable[[Prediction], None]] = []
+        self._refiner = Refiner(viewed.body)
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="predict")
+
+    async def work(self, job: Callable[[], T]) -> T:
+        """Run a job in the predictors' thread."""
+        return await asyncio.get_running_loop().run_in_executor(self._thread, job)
+
+    async def warm_up(self) -> None:
+        """Have the first answer over with: it factorises and compiles."""
+        exposed = self.viewed.exposed
+        case = LoadCase(exposed.nodes[:1], -1e-3 * exposed.normals[:1])
+        for predict in self.viewed.answers.values():
+            await self.work(partial(predict, case))
+        self._refiner.start()
+
+    async def solve(self, case: LoadCase) -> Prediction:
+        """Solve by finite elements in another process; cancelling kills it."""
+        return await self._refiner.solve(case)
+
+    def tell(self, prediction: Prediction) -> None:
+        """Pass an answer that is on somebody's screen to the listeners."""
+        for listener in self.listeners:
+            listener(prediction)
+
+    def close(self) -> None:
+        """Stop the thread and the solver."""
+        self._refiner.close()
+        self._thread.shutdown(wait=False, cancel_futures=True)

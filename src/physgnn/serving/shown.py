@@ -1,0 +1,42 @@
+"""The part of a body that the page draws: its surfaces."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.geometry import TetMesh, boundary_faces
+
+REGIONS = {0: "brain", 1: "tumour", 2: "ventricle"}
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """Surfaces over a few of the mesh's points.
+
+    Attributes
+    ----------
+    nodes : (n_shown,) integer array
+        The points drawn, ascending.
+    faces : mapping of str to (n_faces, 3) integer arrays
+        Outward triangles by region name, as indices into `nodes`; "brain" is the
+        outer surface of the whole body.
+    """
+
+    nodes: NDArray[np.int64]
+    faces: Mapping[str, NDArray[np.int64]]
+
+    @classmethod
+    def of(cls, mesh: TetMesh) -> "Shown":
+        """Return the outer surface and that of every region inside."""
+        surfaces = {"brain": boundary_faces(mesh)}
+        for label in np.unique(mesh.region[mesh.region > 0]).tolist():
+            inside = mesh.region == label
+            part = TetMesh(mesh.points, mesh.cells[inside], mesh.region[inside])
+            surfaces[REGIONS.get(label, f"region {label}")] = boundary_faces(part)
+        nodes = np.unique(np.concatenate([f.ravel() for f in surfaces.values()]))
+        return cls(
+            nodes.astype(np.int64),
+            {name: np.searchsorted(nodes, f) for name, f in surfaces.items()},
+        )

@@ -1,0 +1,293 @@
+// The page: what is chosen, what is asked of the server, what is shown of its answers.
+
+import * as THREE from "three";
+import { FIELDS, rangeOf } from "./colours.js";
+import { keepLoadCase, keepPicture } from "./keep.js";
+import { listen } from "./keys.js";
+import { Link } from "./link.js";
+import { Load } from "./load.js";
+import * as panel from "./panel.js";
+import { Stage } from "./stage.js";
+import { Touch } from "./touch.js";
+
+const { $, NAMES } = panel;
+const SOLVED = "finite elements";
+const AXES = [["none", "Off"], ["sagittal", "Sag"], ["coronal", "Cor"], ["axial", "Ax"]];
+const COLOURS = { calm: 0x45c3a6, outside: 0xf0a843 };
+
+const chosen = { answer: "network", field: "displacement", solve: false, compare: false, axis: "none" };
+const answers = new Map(); // name → {header, arrays} of the load as it is now
+let scene = null;
+let sectionFrame = null;
+let solving = false;
+let lastId = null;
+let setForce = () => {};
+let setRadius = () => {};
+
+const stage = new Stage($("canvas"), $("letters"));
+const load = new Load(loadChanged);
+new Touch(stage, load, () => load.tail);
+listen(stage, load, {
+  fields: Object.keys(FIELDS),
+  changeForce: (factor) => { load.newton = Math.min(load.newton * factor, load.maxNewton); loadChanged(); },
+  changeRadius: (factor) => {
+    load.radius = Math.min(Math.max(load.radius * factor, 1), scene.max_radius_mm);
+    loadChanged();
+  },
+});
+const link = new Link({ onScene, onSection, onAnswer, onText, onClosed });
+stage.onDrawn = placeForceLabel;
+
+// --- from the server
+
+function onScene(header, arrays) {
+  scene = header;
+  chosen.answer = header.answers[0];
+  $("title").textContent = header.title;
+  $("subtitle").textContent = `${header.n_points.toLocaleString("en")} points, ${header.n_cells.toLocaleString("en")} cells`;
+  stage.load(header, arrays);
+  arrangeViews();
+  load.fit(header, arrays.points, arrays.exposed, stage.views[0].brain.normal.slice());
+  setForce = panel.slider("force", { min: 0.02 * header.max_force_n, max: header.max_force_n, value: load.newton },
+    (v) => `${v.toFixed(2)} N`, (v) => { load.newton = v; loadChanged(); });
+  setRadius = panel.slider("radius", { min: 2, max: header.max_radius_mm, value: load.radius },
+    (v) => `${v.toFixed(0)} mm`, (v) => { load.radius = v; loadChanged(); });
+  fillChoices();
+  showRest();
+  document.body.dataset.ready = "yes";
+}
+
+function onSection(header, arrays) {
+  for (const view of stage.views) view.setSection(header, arrays);
+  sectionFrame = { header, arrays };
+  restyle();
+  if (load.point) ask();
+  else show();
+}
+
+function onAnswer(header, arrays) {
+  // While the pointer moves, an answer to a moment ago is better than none.
+  if (!load.point || (header.answer === SOLVED && header.id !== lastId)) return;
+  answers.set(header.answer, { header, arrays });
+  if (header.answer === SOLVED) solving = false;
+  show();
+  if (header.answer === chosen.answer) stage.afterDraw.push(() => { link.drawn(header.id); showSpeed(); });
+}
+
+function onText(message) {
+  if (message.kind === "solving") solving = message.id === lastId;
+  else { solving = false; panel.showMessage(message.text); }
+  show();
+}
+
+function onClosed() {
+  if (scene) panel.showMessage("the server is gone; looking for it again…");
+}
+
+// --- to the server
+
+let asked = false;
+
+/** Ask once a frame at most, however fast the pointer moves. */
+function ask() {
+  if (asked) return;
+  asked = true;
+  requestAnimationFrame(() => {
+    asked = false;
+    if (!load.point) return;
+    const id = link.send(load.message(wanted()));
+    if (id !== null) lastId = id;
+    answers.delete(SOLVED);
+    solving = false;
+  });
+}
+
+function wanted() {
+  const { compare, answer, field, solve } = chosen;
+  return { answers: compare ? scene.answers : [answer], field, solve: solve || compare };
+}
+
+function loadChanged() {
+  setForce(load.newton);
+  setRadius(load.radius);
+  $("save").disabled = load.point === null;
+  if (load.point) {
+    $("hint").classList.add("done");
+    ask();
+    placeArrow();
+    restyle();
+  } else {
+    link.send({ type: "release" });
+    answers.clear();
+    showRest();
+  }
+}
+
+function askSection() {
+  const axis = chosen.axis === "none" ? null : chosen.axis;
+  link.send({ type: "section", axis, offset_mm: Number($("offset").value) });
+  if (axis !== null) return;
+  sectionFrame = null;
+  for (const view of stage.views) view.setSection(null);
+  restyle();
+  show();
+}
+
+// --- on the page
+
+/** Which answers are on show, one a view. */
+function shown() {
+  if (chosen.compare) return [...scene.answers, SOLVED];
+  return [answers.has(SOLVED) ? SOLVED : chosen.answer];
+}
+
+function show() {
+  if (!scene) return;
+  const names = shown();
+  stage.views.forEach((view, i) => view.show(answers.get(names[i])?.arrays ?? null));
+  const range = rangeOf(chosen.field, stage.views.map((v) => v.scalars(chosen.field)).filter(Boolean));
+  stage.views.forEach((view) => view.recolour(chosen.field, range));
+  panel.showLegend(chosen.field, range);
+  const best = chosen.compare ? answers.get(chosen.answer) : answers.get(names[0]);
+  if (best) panel.showAnswer(best.header, solving);
+  showCaptions(names);
+  placeArrow();
+  restyle();
+}
+
+function showRest() {
+  panel.showRest();
+  for (const view of stage.views) view.arrow.group.visible = false;
+  show();
+}
+
+function showCaptions(names) {
+  $("captions").replaceChildren(...(names.length < 2 ? [] : names.map((name) => {
+    const span = Object.assign(document.createElement("span"), { textContent: NAMES[name] });
+    const header = answers.get(name)?.header;
+    const text = header ? `${header.largest_mm.toFixed(2)} mm · ${panel.milliseconds(header.seconds)}`
+      : name === SOLVED && solving ? "solving…" : "–";
+    span.append(Object.assign(document.createElement("small"), { textContent: text }));
+    return span;
+  })));
+}
+
+function showSpeed() {
+  const latency = link.latencyMs === null ? "–" : `${Math.round(link.latencyMs)} ms`;
+  $("speed").textContent = `${link.rate()} answers/s · ${latency} latency`;
+}
+setInterval(showSpeed, 500);
+
+function arrangeViews() {
+  stage.setViews(chosen.compare ? scene.answers.length + 1 : 1);
+  if (sectionFrame) {
+    for (const view of stage.views) view.setSection(sectionFrame.header, sectionFrame.arrays);
+  }
+}
+
+/** The clipping plane as (normal, offset): what lies beyond it, towards the camera, is cut. */
+function clippingPlane() {
+  if (!sectionFrame) return null;
+  const { axis, offset_mm: offset } = sectionFrame.header;
+  const towards = Math.sign(stage.camera.position.getComponent(axis) - stage.controls.target.getComponent(axis)) || 1;
+  const normal = new THREE.Vector3().setComponent(axis, towards);
+  return new THREE.Vector4(normal.x, normal.y, normal.z, towards * offset);
+}
+
+function restyle() {
+  const patch = load.point ? { point: load.point.toArray(), radius: load.radius } : null;
+  const style = { opacity: Number($("opacity").value), plane: clippingPlane(), patch };
+  for (const view of stage.views) {
+    view.style(style);
+    if (view.section) {
+      view.section.material.uniforms.grey.value = scene.image && $("image").checked ? 1 : 0;
+    }
+  }
+  stage.invalidate();
+}
+stage.controls.addEventListener("change", () => { if (sectionFrame) restyle(); });
+
+/** The arrow's head follows the surface of each view. */
+function placeArrow() {
+  if (!load.point) return;
+  const outside = answers.get("network")?.header.status === "outside trained range";
+  stage.views.forEach((view, i) => {
+    const tip = view.at(load.point);
+    if (i === 0) load.tip = tip;
+    const tail = load.tail.add(tip).sub(load.tip);
+    view.arrow.place(tail, tip, outside ? COLOURS.outside : COLOURS.calm);
+  });
+}
+
+function placeForceLabel() {
+  const tail = load.tail;
+  $("force-label").hidden = tail === null;
+  if (tail === null) return;
+  const { x, y } = stage.toScreen(tail);
+  $("force-label").textContent = `${load.newton.toFixed(2)} N`;
+  $("force-label").style.transform = `translate(${x + 14}px, ${y - 30}px)`;
+}
+
+function fillChoices() {
+  panel.choices("answers", scene.answers.map((name) => [name, NAMES[name]]), chosen.answer, (name) => {
+    chosen.answer = name;
+    answers.clear();
+    if (load.point) ask();
+  });
+  const calibrated = scene.coverage !== null;
+  panel.choices("fields",
+    Object.entries(FIELDS).map(([name, { label }]) => [name, label, name !== "error" || calibrated]),
+    chosen.field, (name) => {
+      chosen.field = name;
+      if (load.point) ask();
+      else show();
+    });
+  panel.choices("axes", AXES, chosen.axis, (axis) => {
+    chosen.axis = axis;
+    const i = ["sagittal", "coronal", "axial"].indexOf(axis);
+    $("offset-row").hidden = i < 0;
+    $("image-row").hidden = i < 0 || !scene.image;
+    if (i >= 0) {
+      const [min, max] = [stage.box.min, stage.box.max].map((v) => v.getComponent(i));
+      const value = Math.round(scene.tumour_centre?.[i] ?? (min + max) / 2);
+      panel.slider("offset", { min: Math.ceil(min) + 1, max: Math.floor(max) - 1, value },
+        (v) => `${v.toFixed(0)} mm`, askSection);
+    }
+    askSection();
+  });
+}
+
+panel.slider("opacity", { min: 0.08, max: 1, value: 0.45 }, (v) => `${Math.round(100 * v)} %`, restyle);
+$("image").addEventListener("change", restyle);
+$("solve").addEventListener("change", (e) => { chosen.solve = e.target.checked; if (load.point) ask(); });
+$("compare").addEventListener("change", (e) => {
+  chosen.compare = e.target.checked;
+  arrangeViews();
+  show();
+  if (load.point) ask();
+});
+$("release").addEventListener("click", () => load.release());
+$("inward").addEventListener("click", () => load.straighten());
+$("reset").addEventListener("click", () => stage.resetView());
+$("save").addEventListener("click", () => {
+  keepLoadCase(load.message(wanted())).catch((error) => panel.showMessage(error.message));
+});
+$("screenshot").addEventListener("click", () => {
+  const names = shown();
+  const range = rangeOf(chosen.field, stage.views.map((v) => v.scalars(chosen.field)).filter(Boolean));
+  const lines = [`${scene.title}: ${load.point ? `${load.newton.toFixed(2)} N on a patch of ${load.radius.toFixed(0)} mm` : "at rest"}`];
+  lines.push(names.map((name) => {
+    const header = answers.get(name)?.header;
+    return header ? `${NAMES[name]}: largest displacement ${header.largest_mm.toFixed(2)} mm` : null;
+  }).filter(Boolean).join("   "));
+  keepPicture(stage, { lines, field: chosen.field, range });
+});
+
+/** For tests and for scripts: what is on show, as plain values. */
+window.physgnn = {
+  load,
+  stage,
+  link,
+  get answers() { return Object.fromEntries([...answers].map(([name, { header }]) => [name, header])); },
+  get solving() { return solving; },
+};

@@ -1,0 +1,114 @@
+// The panel beside the brain: what it shows and what it lets one choose.
+
+import { drawLegend, FIELDS, ticks } from "./colours.js";
+
+export const $ = (id) => document.getElementById(id);
+
+export const NAMES = { network: "Network", linear: "Linear", "finite elements": "Finite elements" };
+
+/** Fill a group of radio buttons; `options` is a list of [value, label, enabled]. */
+export function choices(id, options, chosen, onChoose) {
+  $(id).replaceChildren(...options.map(([value, label, enabled = true]) => {
+    const row = document.createElement("label");
+    const input = Object.assign(document.createElement("input"), {
+      type: "radio", name: id, value, checked: value === chosen, disabled: !enabled,
+    });
+    const text = Object.assign(document.createElement("span"), { textContent: label });
+    input.addEventListener("change", () => onChoose(value));
+    row.append(input, text);
+    return row;
+  }));
+}
+
+export function choose(id, value) {
+  const input = document.querySelector(`#${id} input[value="${value}"]`);
+  if (input && !input.disabled) input.click();
+}
+
+/** A slider with its value beside it. */
+export function slider(id, { min, max, value }, format, onInput) {
+  const input = $(id);
+  Object.assign(input, { min, max });
+  input.value = value;
+  const show = () => { $(`${id}-value`).textContent = format(Number(input.value)); };
+  input.oninput = () => { show(); onInput(Number(input.value)); };
+  show();
+  return (v) => { input.value = v; show(); };
+}
+
+export function showRest() {
+  chip("at rest", "");
+  for (const id of ["largest", "tumour", "error"]) $(id).textContent = "–";
+  $("reasons").replaceChildren();
+  $("source").textContent = "";
+  $("error-name").textContent = "Error at most";
+  $("error-bar").className = "unknown";
+  $("error-bar").querySelector(".value").style.left = "0";
+}
+
+export function showAnswer(header, solving) {
+  $("largest").textContent = header.largest_mm.toFixed(2);
+  $("tumour").textContent = header.tumour_mm === null ? "–" : header.tumour_mm.toFixed(2);
+  showError(header);
+  showStatus(header);
+  const after = solving ? " · finite elements are solving…" : "";
+  $("source").textContent =
+    `${NAMES[header.answer]} · ${milliseconds(header.seconds)} · ${header.loaded_nodes} nodes loaded${after}`;
+}
+
+function showStatus({ answer, status, remedy, reasons }) {
+  if (status === "outside trained range") chip("outside the trained range", "outside");
+  else if (status === "tolerance not met") chip("not solved", "failed");
+  else if (answer === "network") chip("inside the trained range", "ok");
+  else chip(answer === "linear" ? "linear elasticity" : "solved", answer === "linear" ? "" : "ok");
+  $("chip").title = remedy;
+  $("reasons").replaceChildren(...reasons.map((text) =>
+    Object.assign(document.createElement("li"), { textContent: text })));
+}
+
+function showError({ error, largest_mm: largest }) {
+  const bar = $("error-bar");
+  bar.className = error ? "" : "unknown";
+  $("error").textContent = error ? precise(error.max_mm) : "?";
+  const chance = error?.coverage < 1 ? ` (${Math.round(100 * error.coverage)} % of loads)` : "";
+  $("error-name").textContent = `Error at most${chance}`;
+  const end = 1.25 * (largest + (error?.max_mm ?? 0)) || 1;
+  const percent = (mm) => `${(100 * Math.min(Math.max(mm / end, 0), 1)).toFixed(1)}%`;
+  bar.querySelector(".value").style.left = percent(largest);
+  if (!error) return;
+  const range = bar.querySelector(".range");
+  range.style.left = percent(largest - error.max_mm);
+  range.style.right = `calc(100% - ${percent(largest + error.max_mm)})`;
+  bar.setAttribute("aria-label",
+    `largest displacement ${largest.toFixed(2)} mm, error at most ${precise(error.max_mm)} mm`);
+}
+
+function chip(text, kind) {
+  $("chip").textContent = text;
+  $("chip").className = `chip ${kind}`;
+}
+
+function precise(mm) {
+  return mm < 0.1 ? String(Number(mm.toPrecision(2))) : mm.toFixed(2);
+}
+
+export function milliseconds(seconds) {
+  return seconds < 1 ? `${Math.round(1000 * seconds)} ms` : `${seconds.toFixed(1)} s`;
+}
+
+export function showLegend(field, range) {
+  $("legend").hidden = false;
+  $("legend-title").textContent = FIELDS[field].title;
+  drawLegend($("legend-bar").getContext("2d"), field);
+  $("legend-ticks").replaceChildren(...ticks(range).map((text) =>
+    Object.assign(document.createElement("span"), { textContent: text })));
+}
+
+let hiding = 0;
+
+export function showMessage(text) {
+  $("message").textContent = text;
+  $("message").hidden = false;
+  clearTimeout(hiding);
+  hiding = setTimeout(() => { $("message").hidden = true; }, 6000);
+}

@@ -1,0 +1,124 @@
+"""What is on show: a body, the predictors that answer for it, and where to touch it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from physgnn.dataset.presets import BRAIN_AND_TUMOUR, PRESETS
+from physgnn.errors import InputError
+from physgnn.geometry import TetMesh, mni152_phantom, select, tetrahedralize
+from physgnn.learning.interface import Body
+from physgnn.mechanics.loads import LoadCase
+from physgnn.prediction.calibration import Calibration
+from physgnn.prediction.indicators import INDICATORS, Indicator
+from physgnn.prediction.linear import linear_answer
+from physgnn.prediction.prediction import Predict
+from physgnn.prediction.predictor import Predictor
+from physgnn.serving.patch import Exposed
+
+BUNDLED_POINTS = 6000
+DEFAULT_FORCE_N = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Viewed:
+    """A body on show.
+
+    Attributes
+    ----------
+    title : str
+        Its name on the page.
+    body : Body
+        Mesh, materials and fixed points.
+    answers : mapping of str to predictor
+        Those that answer at once: "network" if there is one, "linear" always.
+    exposed : Exposed
+        Where it can be pushed.
+    calibration : Calibration or None
+        Of the network.
+    indicator : callable or None
+        What the calibration scales.
+    """
+
+    title: str
+    body: Body
+    answers: Mapping[str, Predict]
+    exposed: Exposed
+    calibration: Calibration | None = None
+    indicator: Indicator | None = None
+
+    def reasons_outside(self, case: LoadCase) -> list[str]:
+        """Return why a load lies outside the trained range; empty if it does not."""
+        if self.calibration is None:
+            return []
+        return self.calibration.trained_range.reasons_outside(case)
+
+
+def view(path: str | Path | None) -> Viewed:
+    """Return what a path holds: a run folder, a mesh, or, for None, the bundled case.
+
+    A mesh has linear elasticity and finite elements only, and the published materials.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or the mesh has no point set "fixed".
+    """
+    if path is None:
+        return view_mesh(bundled_mesh(), "MNI152")
+    path = Path(path)
+    if path.is_dir():
+        return view_run(path)
+    if path.suffix != ".vtu":
+        raise InputError(f"{path} must be a run folder or a mesh, .vtu")
+    from physgnn.io import read_mesh
+
+    return view_mesh(read_mesh(path), path.stem)
+
+
+def view_run(run: Path) -> Viewed:
+    """Return a trained run: what was loaded in training is what is exposed."""
+    network = Predictor.load(run)
+    body, calibration = network.body, network.calibration
+    trained = None if calibration is None else calibration.trained_range.nodes
+    return Viewed(
+        title="/".join(run.resolve().parts[-2:]),
+        body=body,
+        answers={"network": network, "linear": _linear(body)},
+        exposed=Exposed.of(body, _exposed_nodes(body.mesh, trained)),
+        calibration=calibration,
+        indicator=INDICATORS[calibration.indicator](body) if calibration else None,
+    )
+
+
+def view_mesh(mesh: TetMesh, title: str) -> Viewed:
+    """Return a mesh without a network, made of the published materials."""
+    body = Body(mesh, BRAIN_AND_TUMOUR, mesh.point_set("fixed"))
+    exposed = Exposed.of(body, _exposed_nodes(mesh, None))
+    return Viewed(title, body, {"linear": _linear(body)}, exposed)
+
+
+def bundled_mesh() -> TetMesh:
+    """Return the bundled brain and tumour with a craniotomy above it."""
+    phantom = mni152_phantom()
+    mesh = tetrahedralize(
+        phantom.brain, phantom.tumours, target_points=BUNDLED_POINTS, log=lambda _: None
+    )
+    preset = PRESETS["demo"]
+    rules = {"fixed": preset.fixed, "loaded": preset.loaded}
+    sets = {name: select(mesh, rule) for name, rule in rules.items() if rule}
+    return mesh.with_point_sets(**sets)
+
+
+def _linear(body: Body) -> Predictor:
+    return Predictor(body, linear_answer(body))
+
+
+def _exposed_nodes(
+    mesh: TetMesh, trained: tuple[int, ...] | None
+) -> "np.ndarray[tuple[int], np.dtype[np.int64]] | None":
+    if trained is not None:
+        return np.array(trained, dtype=np.int64)
+    return mesh.point_sets.get("loaded")
