@@ -10,6 +10,7 @@ import typer
 from physgnn import stages
 from physgnn.cli import exchange
 from physgnn.cli.console import progress, say, working
+from physgnn.cli.view import view
 from physgnn.errors import InputError
 
 app = typer.Typer(
@@ -234,6 +235,9 @@ def predict(
         f"{out}: largest displacement {largest:.2f} mm{bound}{chance}, "
         f"{1e3 * answer.seconds:.1f} ms; {answer.status}: {answer.status.remedy}"
     )
+
+
+app.command()(view)
 
 
 @app.command()

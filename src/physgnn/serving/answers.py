@@ -13,7 +13,6 @@ from physgnn.serving.frames import encode
 from physgnn.serving.messages import MAX_RADIUS_MM, Push
 from physgnn.serving.patch import Exposed, push
 from physgnn.serving.section import AXES, Section
-from physgnn.serving.viewed import DEFAULT_FORCE_N
 
 FloatArray = NDArray[np.float64]
 
@@ -140,17 +139,16 @@ def _tumour_nodes(engine: Engine) -> NDArray[np.int64] | None:
 def _limits(engine: Engine) -> dict[str, float]:
     """Return where the page's sliders start and end."""
     viewed, exposed = engine.viewed, engine.viewed.exposed
-    if viewed.calibration is None:
-        force, radius = DEFAULT_FORCE_N, _radius_of(exposed, len(exposed.nodes) // 3)
-        return {"force_n": force, "max_force_n": 4 * force, **_radii(radius)}
-    trained = viewed.calibration.trained_range
-    radius = _radius_of(exposed, trained.fewest_nodes)
-    force = trained.total_force_n
-    return {"force_n": force / 3, "max_force_n": 1.25 * force, **_radii(radius)}
-
-
-def _radii(radius_mm: float) -> dict[str, float]:
-    return {"radius_mm": radius_mm, "max_radius_mm": min(2 * radius_mm, MAX_RADIUS_MM)}
+    fewest = len(exposed.nodes) // 3
+    if viewed.calibration is not None:
+        fewest = viewed.calibration.trained_range.fewest_nodes
+    radius, force = _radius_of(exposed, fewest), viewed.usual_force_n
+    return {
+        "force_n": force / 3,
+        "max_force_n": 1.25 * force,
+        "radius_mm": radius,
+        "max_radius_mm": min(2 * radius, MAX_RADIUS_MM),
+    }
 
 
 def _radius_of(exposed: Exposed, n_nodes: int) -> float:

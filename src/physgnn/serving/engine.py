@@ -15,6 +15,8 @@ from physgnn.serving.viewed import Viewed
 
 FINITE_ELEMENTS = "finite elements"
 
+WARM_UP = (0.1, 0.3, 0.5, 0.7, 1.0)  # of the usual force
+
 T = TypeVar("T")
 
 
@@ -49,11 +51,16 @@ class Engine:
         return await asyncio.get_running_loop().run_in_executor(self._thread, job)
 
     async def warm_up(self) -> None:
-        """Have the first answer over with: it factorises and compiles."""
+        """Have the first answers over with: they factorise and compile.
+
+        Loads of several sizes, since a network may keep a factor for each.
+        """
         exposed = self.viewed.exposed
-        case = LoadCase(exposed.nodes[:1], -1e-3 * exposed.normals[:1])
-        for predict in self.viewed.answers.values():
-            await self.work(partial(predict, case))
+        for share in WARM_UP:
+            force = -share * self.viewed.usual_force_n / len(exposed.nodes)
+            case = LoadCase(exposed.nodes, force * exposed.normals)
+            for predict in self.viewed.answers.values():
+                await self.work(partial(predict, case))
         self._refiner.start()
 
     async def solve(self, case: LoadCase) -> Prediction:

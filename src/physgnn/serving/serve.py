@@ -4,6 +4,7 @@ import socket
 from collections.abc import Callable
 from pathlib import Path
 
+import torch
 import uvicorn
 
 from physgnn.errors import InputError
@@ -24,6 +25,7 @@ def serve(
     port: int = PORT,
     image: str | Path | None = None,
     igtl: int | None = None,
+    igtl_surfaces: bool = False,
     log: Callable[[str], None] = print,
 ) -> None:
     """Show a body in the browser until interrupted.
@@ -38,6 +40,8 @@ def serve(
         NIfTI volume for sections, or "mni152".
     igtl : int, optional
         Port to stream the deformation from by OpenIGTLink; 0 takes a free one.
+    igtl_surfaces : bool
+        Stream the deformed surfaces too.
     log : callable
         Told the addresses.
 
@@ -47,13 +51,15 @@ def serve(
         If there is nothing to show at the path, or a port is taken.
     """
     listening = listen(port)
+    # A network this small gains nothing from more, and the browser needs a core.
+    torch.set_num_threads(1)
     engine = Engine(view(path), None if image is None else read_image(image))
     beside = []
     if igtl is not None:
         from physgnn.serving.igtl import stream
 
         streaming = listen(igtl)
-        beside.append(lambda: stream(engine, streaming))
+        beside.append(lambda: stream(engine, streaming, surfaces=igtl_surfaces))
         log(f"OpenIGTLink: {HOST}:{streaming.getsockname()[1]}")
     server = make_server(make_app(engine, *beside))
     log(f"http://{HOST}:{listening.getsockname()[1]}  (Ctrl-C ends it)")

@@ -19,7 +19,7 @@ from physgnn.prediction.predictor import Predictor
 from physgnn.serving.patch import Exposed
 
 BUNDLED_POINTS = 6000
-DEFAULT_FORCE_N = 1.0
+DEFAULT_FORCE_N = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +48,13 @@ class Viewed:
     exposed: Exposed
     calibration: Calibration | None = None
     indicator: Indicator | None = None
+
+    @property
+    def usual_force_n(self) -> float:
+        """The greatest force in training, or a gentle one, N."""
+        if self.calibration is None:
+            return DEFAULT_FORCE_N
+        return self.calibration.trained_range.total_force_n
 
     def reasons_outside(self, case: LoadCase) -> list[str]:
         """Return why a load lies outside the trained range; empty if it does not."""

@@ -120,6 +120,12 @@ export class BodyView {
     return values && values.length === length ? values : null;
   }
 
+  /** Whether a place at rest lies beyond the clipping plane. */
+  isCutAway(place) {
+    const plane = this.front.material.uniforms.plane.value;
+    return place.dot(plane) > plane.w; // of a Vector4, dot takes x, y and z
+  }
+
   style({ opacity, plane, patch }) {
     for (const { material } of [this.back, this.front]) {
       material.uniforms.opacity.value = opacity;

@@ -33,10 +33,10 @@ const RGB = Object.fromEntries(
   Object.entries(FIELDS).map(([name, field]) => [name, field.stops.map(fromHex)]),
 );
 
-/** The next of 1, 2, 5 × 10ⁿ at or above a size. */
+/** The next round number at or above a size. */
 function nice(size) {
   const power = 10 ** Math.floor(Math.log10(size));
-  return [1, 2, 5, 10].map((m) => m * power).find((m) => m >= size * 0.999);
+  return [1, 1.2, 1.6, 2, 3, 4, 5, 6, 8, 10].map((m) => m * power).find((m) => m >= size * 0.999);
 }
 
 /** Range [low, high] of a field for the values at hand; it changes in steps only. */

@@ -70,7 +70,7 @@ function showError({ error, largest_mm: largest }) {
   const bar = $("error-bar");
   bar.className = error ? "" : "unknown";
   $("error").textContent = error ? precise(error.max_mm) : "?";
-  const chance = error?.coverage < 1 ? ` (${Math.round(100 * error.coverage)} % of loads)` : "";
+  const chance = error?.coverage < 1 ? ` (${Math.round(100 * error.coverage)} %)` : "";
   $("error-name").textContent = `Error at most${chance}`;
   const end = 1.25 * (largest + (error?.max_mm ?? 0)) || 1;
   const percent = (mm) => `${(100 * Math.min(Math.max(mm / end, 0), 1)).toFixed(1)}%`;

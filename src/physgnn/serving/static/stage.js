@@ -80,7 +80,7 @@ export class Stage {
     this.camera.aspect = each / height;
     // A narrow view would cut the brain off left and right.
     this.camera.fov = 2 * THREE.MathUtils.radToDeg(
-      Math.atan(Math.tan(THREE.MathUtils.degToRad(VIEW_ANGLE / 2)) * Math.max(1, 0.78 / this.camera.aspect)),
+      Math.atan(Math.tan(THREE.MathUtils.degToRad(VIEW_ANGLE / 2)) * Math.max(1, 0.7 / this.camera.aspect)),
     );
     this.camera.updateProjectionMatrix();
     this.renderer.setScissorTest(true);

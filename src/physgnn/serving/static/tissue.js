@@ -5,7 +5,7 @@ import * as THREE from "three";
 const VERTEX = `
   attribute vec3 colour, rest;
   attribute float exposed;
-  varying vec3 vNormal, vView, vColour, vRest, vWorld;
+  varying vec3 vNormal, vView, vColour, vRest;
   varying float vExposed;
   void main() {
     vec4 view = modelViewMatrix * vec4(position, 1.0);
@@ -13,7 +13,6 @@ const VERTEX = `
     vView = view.xyz;
     vColour = colour;
     vRest = rest;
-    vWorld = position;
     vExposed = exposed;
     gl_Position = projectionMatrix * view;
   }`;
@@ -22,17 +21,17 @@ const FRAGMENT = `
   uniform float opacity, rim, patchRadius;
   uniform vec3 patchCentre, accent;
   uniform vec4 plane;
-  varying vec3 vNormal, vView, vColour, vRest, vWorld;
+  varying vec3 vNormal, vView, vColour, vRest;
   varying float vExposed;
   void main() {
-    if (dot(vWorld, plane.xyz) > plane.w) discard;
+    if (dot(vRest, plane.xyz) > plane.w) discard; // a plane of the tissue, not of space
     vec3 n = normalize(vNormal);
     if (!gl_FrontFacing) n = -n;
     vec3 v = normalize(-vView);
     float key = 0.5 + 0.5 * dot(n, normalize(vec3(0.35, 0.75, 0.6)));
     float fill = 0.5 + 0.5 * dot(n, normalize(vec3(-0.8, -0.2, 0.4)));
     float gloss = pow(max(dot(n, normalize(normalize(vec3(0.35, 0.75, 0.6)) + v)), 0.0), 48.0);
-    vec3 c = vColour * (0.30 + 0.72 * key * key + 0.16 * fill) + 0.12 * gloss;
+    vec3 c = vColour * (0.36 + 0.72 * key * key + 0.16 * fill) + 0.12 * gloss;
     float edge = pow(1.0 - abs(dot(n, v)), 2.5);
     float alpha = mix(opacity, min(1.0, opacity + 0.5), rim * edge);
     c += rim * 0.10 * edge;

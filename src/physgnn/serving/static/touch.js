@@ -56,20 +56,18 @@ export class Touch {
   /** The rest place and inward direction of the exposed surface under a pointer. */
   hit(event) {
     const { view, caster } = this.stage.rayAt(event.clientX, event.clientY);
-    const plane = view.front.material.uniforms.plane.value;
-    const found = caster.intersectObject(view.front).find(
-      ({ point: p }) => p.x * plane.x + p.y * plane.y + p.z * plane.z <= plane.w,
-    );
-    if (!found) return null;
     const { exposed, position, rest } = view.brain.geometry.attributes;
-    const corners = [found.face.a, found.face.b, found.face.c];
-    const at = (attribute) => corners.map((i) => new THREE.Vector3().fromBufferAttribute(attribute, i));
-    const share = THREE.Triangle.getBarycoord(found.point, ...at(position), new THREE.Vector3()).toArray();
-    const isExposed = corners.reduce((sum, c, k) => sum + share[k] * exposed.getX(c), 0);
-    if (isExposed < EXPOSED) return null;
-    const point = new THREE.Vector3();
-    at(rest).forEach((place, k) => point.addScaledVector(place, share[k]));
-    return { point, normal: this.load.normalAt(point) };
+    for (const { face, point: touched } of caster.intersectObject(view.front)) {
+      const corners = [face.a, face.b, face.c];
+      const at = (attribute) => corners.map((i) => new THREE.Vector3().fromBufferAttribute(attribute, i));
+      const share = THREE.Triangle.getBarycoord(touched, ...at(position), new THREE.Vector3()).toArray();
+      const point = new THREE.Vector3();
+      at(rest).forEach((place, k) => point.addScaledVector(place, share[k]));
+      if (view.isCutAway(point)) continue;
+      const isExposed = corners.reduce((sum, c, k) => sum + share[k] * exposed.getX(c), 0);
+      return isExposed < EXPOSED ? null : { point, normal: this.load.normalAt(point) };
+    }
+    return null;
   }
 
   nearHandle(event) {
