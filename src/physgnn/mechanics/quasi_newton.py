@@ -8,6 +8,7 @@ renewed when that no longer pays.
 """
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +16,24 @@ from numpy.typing import NDArray
 from physgnn.mechanics.assembly import Pattern, assemble_tangent
 from physgnn.mechanics.element import Elements, internal_force
 from physgnn.mechanics.linear_solver import LinearSolver
-from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.solution import Status
 
 FloatArray = NDArray[np.float64]
 
 MAX_PAIRS = 12
 MAX_HALVINGS = 12
+
+
+class Loads(Protocol):
+    """External force and prescribed places as functions of state and load factor."""
+
+    held: NDArray[np.int64]
+
+    def force(self, u: FloatArray, load_factor: float) -> FloatArray:
+        """External force on every point, (n_points, 3), N."""
+
+    def place(self, u: FloatArray, load_factor: float) -> None:
+        """Put the held points where they belong."""
 
 
 @dataclass
@@ -45,8 +57,7 @@ class QuasiNewton:
     ----------
     elements, pattern, solver
         The discretised body and its linear solver.
-    loading : Loading
-        The loads.
+    loading : Loads
     tolerance_mm : float
         Bound on the estimated displacement error of the worst point.
     max_iterations : int
@@ -56,7 +67,7 @@ class QuasiNewton:
     elements: Elements
     pattern: Pattern
     solver: LinearSolver
-    loading: Loading
+    loading: Loads
     tolerance_mm: float
     max_iterations: int
     counts: dict[str, int] = field(
@@ -116,8 +127,23 @@ class QuasiNewton:
             d += s * (weight - _dot(y, d) / _dot(s, y))
         return d
 
-    def solve(self, start: FloatArray, load_factor: float) -> Equilibrium:
-        """Iterate from a start to equilibrium at a load factor."""
+    def solve(
+        self,
+        start: FloatArray,
+        load_factor: float,
+        *,
+        tolerance_mm: float | None = None,
+    ) -> Equilibrium:
+        """Iterate from a start to equilibrium at a load factor.
+
+        Parameters
+        ----------
+        start : (n_unknowns,) array
+        load_factor : float
+        tolerance_mm : float, optional
+            In place of the iteration's own.
+        """
+        tolerance_mm = tolerance_mm or self.tolerance_mm
         state = start
         r, inverted = self.residual(state, load_factor)
         if inverted >= 0:
@@ -134,7 +160,7 @@ class QuasiNewton:
             self._remember(scale * d, r - r_new)
             state, r = moved, r_new
             size = scale * largest_norm(d)
-            if scale == 1.0 and self._close_enough(size, previous):
+            if scale == 1.0 and self._error_left(size, previous) < tolerance_mm:
                 return Equilibrium(state, Status.CONVERGED, _norm(r))
             since_factor += 1
             if self._worn_out(size, previous, since_factor):
@@ -164,14 +190,14 @@ class QuasiNewton:
             self._pairs.append((s, y))
             del self._pairs[:-MAX_PAIRS]
 
-    def _close_enough(self, size: float, previous: float) -> bool:
-        """Whether the error left, from how the steps contract, meets the tolerance."""
+    def _error_left(self, size: float, previous: float) -> float:
+        """Estimate the error left from how the steps contract, mm; on the safe side."""
         contraction = min(size / previous, 0.9)
         # One lucky step proves little: the slower of this and the last contraction
         # counts, whether that was seen at this load or at the one before.
         slower = max(contraction, self._contraction, 0.4)
         self._contraction = contraction if np.isfinite(previous) else slower
-        return 2 * size * slower / (1 - slower) < self.tolerance_mm
+        return 2 * size * slower / (1 - slower)
 
     def _worn_out(self, size: float, previous: float, since_factor: int) -> bool:
         """Whether a new factor is cheaper than going on (it costs ~20 back-solves)."""

@@ -11,11 +11,11 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import Pattern, make_pattern
 from physgnn.mechanics.element import ELEMENTS, make_elements
-from physgnn.mechanics.extrapolation import PathHistory
 from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials.table import Material
+from physgnn.mechanics.path_following import PathFollower
 from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton
 from physgnn.mechanics.rest_state import fixed_points
 from physgnn.mechanics.solution import Solution, Status
@@ -112,7 +112,7 @@ class Solver:
             If a loaded node is missing from the mesh or fixed.
         """
         loading = Loading(self._mesh, path, self._fixed)
-        return _PathFollower(self._iteration(loading), path, self._options).follow()
+        return _follow(self._iteration(loading), path, self._options.min_step)
 
     def _iteration(self, loading: Loading) -> QuasiNewton:
         if not np.array_equal(self._unknowns.held, loading.held):
@@ -139,86 +139,50 @@ class Solver:
         return _Unknowns(held, pattern, linear)
 
 
-class _PathFollower:
-    """One walk along one path."""
+def _follow(iteration: QuasiNewton, path: LoadPath, min_step: float) -> Solution:
+    """Walk from rest along all levels of a path."""
+    started = time.perf_counter()
+    displacement = np.zeros((path.n_levels, iteration.elements.n_points, 3))
+    status = np.full(path.n_levels, Status.NOT_REACHED, dtype=np.int8)
+    residual = np.full(path.n_levels, np.nan)
+    message = ""
+    slope = _slope_at_rest(iteration)
+    walk = PathFollower(iteration, lambda factor: factor * slope, min_step=min_step)
+    for level, target in enumerate(path.load_factors.tolist()):
+        found = walk.advance(target)
+        status[level] = found.status
+        if found.status != Status.CONVERGED:
+            message = _explain(found, walk.reached)
+            break
+        displacement[level] = iteration.displacement(found.state, target)
+        norm = iteration.load_norm(found.state, target)
+        residual[level] = found.residual_norm / norm
+    return Solution(
+        displacement=displacement,
+        status=status,
+        residual=residual,
+        load_factors=path.load_factors,
+        reached=walk.reached,
+        message=message,
+        seconds=time.perf_counter() - started,
+        counts=dict(iteration.counts),
+    )
 
-    def __init__(
-        self, iteration: QuasiNewton, path: LoadPath, options: SolverOptions
-    ) -> None:
-        self._options = options
-        self._path = path
-        self._iteration = iteration
-        self._history = PathHistory(iteration.pattern.n_unknowns)
 
-    def follow(self) -> Solution:
-        started = time.perf_counter()
-        n_levels, iteration = self._path.n_levels, self._iteration
-        displacement = np.zeros((n_levels, iteration.elements.n_points, 3))
-        status = np.full(n_levels, Status.NOT_REACHED, dtype=np.int8)
-        residual = np.full(n_levels, np.nan)
-        message = ""
-        rest = self._history.newest[1]
-        if not iteration.refactorize(rest, 0.0):
-            raise InputError(
-                "the fixed points don't hold the body: its stiffness matrix is "
-                "singular; fix at least three points that are not in line"
-            )
-        # The linear solution, whatever the loads: the residual's slope at rest.
-        slope = iteration.residual(rest, SMALL_FACTOR)[0] / SMALL_FACTOR
-        self._first_guess = iteration.direction(slope)
-        for level, target in enumerate(self._path.load_factors):
-            found = self._advance(float(target))
-            status[level] = found.status
-            if found.status != Status.CONVERGED:
-                message = self._explain(found)
-                break
-            displacement[level] = iteration.displacement(found.state, target)
-            norm = iteration.load_norm(found.state, target)
-            residual[level] = found.residual_norm / norm
-        return Solution(
-            displacement=displacement,
-            status=status,
-            residual=residual,
-            load_factors=self._path.load_factors,
-            reached=self._history.newest[0],
-            message=message,
-            seconds=time.perf_counter() - started,
-            counts=dict(iteration.counts),
+def _slope_at_rest(iteration: QuasiNewton) -> FloatArray:
+    """Return du/dλ at rest, the linear solution, whatever the loads."""
+    rest = np.zeros(iteration.pattern.n_unknowns)
+    if not iteration.refactorize(rest, 0.0):
+        raise InputError(
+            "the fixed points don't hold the body: its stiffness matrix is "
+            "singular; fix at least three points that are not in line"
         )
+    return iteration.direction(iteration.residual(rest, SMALL_FACTOR)[0] / SMALL_FACTOR)
 
-    def _advance(self, target: float) -> Equilibrium:
-        """Go to a load factor, in smaller steps where one is too long."""
-        step = target - self._history.newest[0]
-        while True:
-            reached = self._history.newest[0]
-            goal = target if reached + 1.5 * step > target else reached + step
-            found = self._iteration.solve(self._guess(goal), goal)
-            if found.status == Status.CONVERGED:
-                self._history.add(goal, found.state)
-                if goal == target:
-                    return found
-                step = min(2 * step, target - goal)
-                continue
-            step = (goal - reached) / 2
-            if step < self._options.min_step:
-                return found
-            # The failed try may have left the factor at a useless state.
-            if not self._iteration.refactorize(
-                self._history.newest[1], self._history.newest[0]
-            ):
-                return Equilibrium(found.state, Status.LIMIT_POINT, np.inf)
 
-    def _guess(self, load_factor: float) -> FloatArray:
-        if len(self._history.states) == 1:
-            return load_factor * self._first_guess
-        return self._history.predict(load_factor)
-
-    def _explain(self, found: Equilibrium) -> str:
-        where = f" (cell {found.inverted})" if found.inverted >= 0 else ""
-        return (
-            f"stopped at load factor {self._history.newest[0]:.4f}: "
-            f"{found.status.remedy}{where}"
-        )
+def _explain(found: Equilibrium, reached: float) -> str:
+    where = f" (cell {found.inverted})" if found.inverted >= 0 else ""
+    return f"stopped at load factor {reached:.4f}: {found.status.remedy}{where}"
 
 
 def solve(

@@ -1,0 +1,90 @@
+"""Walking along a path of equilibria, in steps as long as converge."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.mechanics.extrapolation import PathHistory
+from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton
+from physgnn.mechanics.solution import Status
+
+FloatArray = NDArray[np.float64]
+
+
+class PathFollower:
+    """One walk along one path, from an equilibrium at load factor 0.
+
+    Parameters
+    ----------
+    iteration : QuasiNewton
+        Knows the loads; its factor must be that of the equilibrium at 0.
+    trend : callable
+        From a load factor to the state expected there, (n_unknowns,); at 0 it must be
+        the equilibrium. What the walk finds is extrapolated as a departure from it.
+    min_step : float
+        Smallest step in the load factor before the walk is given up.
+    """
+
+    def __init__(
+        self,
+        iteration: QuasiNewton,
+        trend: Callable[[float], FloatArray],
+        *,
+        min_step: float,
+    ) -> None:
+        self._iteration, self._trend, self._min_step = iteration, trend, min_step
+        self._departures = PathHistory(iteration.pattern.n_unknowns)
+
+    @property
+    def reached(self) -> float:
+        """The load factor of the last equilibrium found."""
+        return self._departures.newest[0]
+
+    def advance(
+        self,
+        target: float,
+        *,
+        step: float | None = None,
+        loose_mm: float | None = None,
+    ) -> Equilibrium:
+        """Go to a load factor, in smaller steps where one is too long.
+
+        Parameters
+        ----------
+        target : float
+        step : float, optional
+            The first step to try; all the way if not given.
+        loose_mm : float, optional
+            Tolerance of equilibria on the way, if other than at the target.
+        """
+        step = step or target - self.reached
+        while True:
+            reached = self.reached
+            goal = target if reached + 1.5 * step > target else reached + step
+            found = self._iteration.solve(
+                self._guess(goal),
+                goal,
+                tolerance_mm=None if goal == target else loose_mm,
+            )
+            if found.status == Status.CONVERGED:
+                self._departures.add(goal, found.state - self._trend(goal))
+                if goal == target:
+                    return found
+                step = min(2 * step, target - goal)
+                continue
+            step = (goal - reached) / 2
+            if step < self._min_step:
+                return found
+            # The failed try may have left the factor at a useless state.
+            departure = self._departures.newest[1]
+            if not self._iteration.refactorize(
+                self._trend(reached) + departure, reached
+            ):
+                return Equilibrium(found.state, Status.LIMIT_POINT, np.inf)
+
+    def _guess(self, load_factor: float) -> FloatArray:
+        departure = self._departures
+        if len(departure.states) == 1:
+            return self._trend(load_factor)
+        return self._trend(load_factor) + departure.predict(load_factor)
