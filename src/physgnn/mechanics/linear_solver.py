@@ -9,6 +9,7 @@ are computed in double.
 import ctypes
 import weakref
 from functools import cache
+from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -94,6 +95,22 @@ class PardisoSolver:
         x = np.zeros_like(b)
         self._call(_SOLVE, b, x, b.size // self._n)
         return x.astype(np.float64)
+
+    def store(self, folder: Path) -> None:
+        """Write the factor into a folder, as ``handle.pds``."""
+        self._on_disk("pardiso_handle_store", folder)
+
+    def restore(self, folder: Path, data: FloatArray) -> bool:
+        """Read back the factor of a matrix; False if there is none to be read."""
+        self._data[:] = data
+        self._analysed = self._on_disk("pardiso_handle_restore", folder) == 0
+        return self._analysed
+
+    def _on_disk(self, function: str, folder: Path) -> int:
+        error = ctypes.c_int32(0)
+        name = str(folder).encode()
+        getattr(_mkl(), function)(_pointer(self._handle), name, ctypes.byref(error))
+        return error.value
 
     def _call(self, phase: int, b: NDArray[Any], x: NDArray[Any], n_right: int) -> int:
         mkl = _mkl()

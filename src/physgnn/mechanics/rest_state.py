@@ -1,6 +1,7 @@
 """The linear answer: one factorisation of the rest-state tangent for all loads."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
 from physgnn.mechanics.element import make_elements
+from physgnn.mechanics.factor_cache import factorize_cached
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.materials.table import Material
 
@@ -28,6 +30,8 @@ class RestState:
         Threads for factorisation and back-solves.
     element : str
         As in `SolverOptions`.
+    cache : Path, optional
+        Folder that keeps the factor from run to run; worth it for large meshes.
 
     Raises
     ------
@@ -43,6 +47,7 @@ class RestState:
         *,
         threads: int = 1,
         element: str = "tet4",
+        cache: Path | None = None,
     ) -> None:
         self.n_points = mesh.n_points
         self.fixed = fixed_points(mesh, fixed)
@@ -53,7 +58,12 @@ class RestState:
         self._free = pattern.free
         data, _ = assemble_tangent(elements, pattern, np.zeros_like(mesh.points))
         self._solver = make_linear_solver(pattern, threads=threads)
-        if not self._solver.factorize(data):
+        positive = (
+            factorize_cached(self._solver, pattern, data, cache)
+            if cache
+            else self._solver.factorize(data)
+        )
+        if not positive:
             raise InputError(
                 "the fixed points don't hold the body: its stiffness matrix is "
                 "singular; fix at least three points that are not in line"
