@@ -1,0 +1,167 @@
+"""The solver against full Newton as FEBio does it, and in bulk.
+
+    python benchmarks/fe.py ../shared/febio --paths 16
+
+The folder holds reference cases, one .npz each: ``points``, ``cells``, ``region``,
+``fixed``, ``load_nodes``, ``load_vectors``, and FEBio's ``displacement`` at some
+``levels`` of 30. Prints Markdown tables. Everything runs in the same session; FEBio
+itself takes part if ``febio4`` is on PATH. Solvers have one thread each.
+"""
+
+import argparse
+import shutil
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from physgnn.dataset import Store, generate, verify
+from physgnn.dataset.presets import BRAIN_AND_TUMOUR
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io.febio_run import COMMAND, FebioSolver
+from physgnn.mechanics.load_paths import all_node_paths, equal_levels
+from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.newton import Newton
+from physgnn.mechanics.solution import Status
+from physgnn.mechanics.solver import Solver
+from tables import load_kernels, machine, table
+
+
+@dataclass(frozen=True)
+class Case:
+    """A reference case and FEBio's stored answers to it."""
+
+    mesh: TetMesh
+    fixed: np.ndarray
+    path: LoadPath
+    levels: np.ndarray  # of 30, from 1
+    displacement: np.ndarray
+
+
+def read_case(file: Path, n_levels: int) -> Case:
+    data = np.load(file)
+    mesh = TetMesh(data["points"], data["cells"], data["region"])
+    factors = equal_levels(30)[:n_levels]
+    path = LoadPath(data["load_nodes"], data["load_vectors"], factors)
+    kept = data["levels"] <= n_levels
+    answers = data["levels"][kept], data["displacement"][kept]
+    return Case(mesh, data["fixed"], path, *answers)
+
+
+def compare(case: Case) -> None:
+    """Print time and differences, level by level, of one path."""
+    body = (case.mesh, BRAIN_AND_TUMOUR, case.fixed)
+    answers: dict[str, np.ndarray] = {}
+    rows = []
+    solver = Solver(*body)
+    start = time.perf_counter()
+    ours = solver.solve(case.path)
+    seconds = time.perf_counter() - start
+    rows.append(("physgnn", f"{seconds:.2f}", ours.counts["factorisations"], "1"))
+    start = time.perf_counter()
+    answers["full Newton"], factorisations = full_newton(Newton(*body), case)
+    peer = time.perf_counter() - start
+    rows.append(("full Newton", f"{peer:.2f}", factorisations, f"{peer / seconds:.1f}"))
+    if shutil.which(COMMAND):
+        febio = FebioSolver(*body).solve(case.path)
+        answers["FEBio, now"] = levels_or_nan(febio.displacement, febio.status)
+        ratio = f"{febio.seconds / seconds:.1f}"
+        rows.append(("FEBio", f"{febio.seconds:.2f}", "", ratio))
+    stored = np.full_like(ours.displacement, np.nan)
+    stored[case.levels - 1] = case.displacement
+    answers["FEBio, stored"] = stored
+    table(("solver", "seconds a path", "factorisations", "times ours"), rows)
+    print(
+        f"\nlargest distance of a point from ours, mm ({ours.message or 'converged'})"
+    )
+    found = levels_or_nan(ours.displacement, ours.status)
+    distance = [
+        np.linalg.norm(answer - found, axis=2).max(axis=1)
+        for answer in answers.values()
+    ]
+    lines = (
+        (
+            level + 1,
+            *("" if np.isnan(d[level]) else f"{d[level]:.1e}" for d in distance),
+        )
+        for level in range(case.path.n_levels)
+    )
+    table(("level", *answers), lines)
+
+
+def full_newton(newton: Newton, case: Case) -> tuple[np.ndarray, int]:
+    """Step from level to level, each begun where the last one ended, as FEBio does."""
+    n_levels = case.path.n_levels
+    displacement = np.full((n_levels, case.mesh.n_points, 3), np.nan)
+    state = np.zeros((case.mesh.n_points, 3))
+    for level in range(n_levels):
+        found = newton.solve(case.path.case(level), state)
+        if found is None:
+            break
+        displacement[level] = state = found
+    return displacement, newton.factorisations
+
+
+def levels_or_nan(displacement: np.ndarray, status: np.ndarray) -> np.ndarray:
+    return np.where((status == Status.CONVERGED)[:, None, None], displacement, np.nan)
+
+
+def bulk(case: Case, n_paths: int, workers: int) -> None:
+    """Print seconds a path when processes work side by side, and the check."""
+    total = float(np.linalg.norm(case.path.forces, axis=1).sum())
+    paths = all_node_paths(
+        case.mesh,
+        case.path.nodes,
+        total_force_n=total,
+        n_levels=30,
+        n_paths=n_paths + 1,
+    )[1:]
+    factors = case.path.load_factors
+    with tempfile.TemporaryDirectory() as folder:
+        store = Store.create(
+            Path(folder) / "bulk.zarr",
+            case.mesh,
+            [LoadPath(path.nodes, path.forces, factors) for path in paths],
+            materials=BRAIN_AND_TUMOUR,
+            fixed=case.fixed,
+            provenance={},
+        )
+        start = time.perf_counter()
+        generate(store, workers=workers)
+        wall = time.perf_counter() - start
+        start = time.perf_counter()
+        checked = verify(store, workers=workers)
+        check = time.perf_counter() - start
+        converged = f"{len(store.samples())} of {n_paths * case.path.n_levels}"
+        seconds = store.seconds.sum() / workers / n_paths
+    head = ("processes", "paths", "levels converged", "seconds a path", "with start-up")
+    table(
+        head, [(workers, n_paths, converged, f"{seconds:.2f}", f"{wall / n_paths:.2f}")]
+    )
+    print(f"\n{checked}; {check:.1f} s")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("cases", type=Path, help="folder of reference cases")
+    parser.add_argument(
+        "--levels", type=int, default=30, help="of 30, for a quick look"
+    )
+    parser.add_argument("--paths", type=int, default=16, help="in bulk")
+    parser.add_argument("--workers", type=int, default=2, help="processes in bulk")
+    options = parser.parse_args()
+    print(machine())
+    load_kernels()
+    for file in sorted(options.cases.glob("*.npz")):
+        case = read_case(file, options.levels)
+        print(f"\n## {file.stem}: {case.mesh.n_points} points\n")
+        compare(case)
+        if options.paths and len(case.path.nodes) > 1:
+            print("\n### In bulk\n")
+            bulk(case, options.paths, options.workers)
+
+
+if __name__ == "__main__":
+    main()
