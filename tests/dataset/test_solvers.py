@@ -7,7 +7,7 @@ import pytest
 
 import febio_stand_in
 from physgnn import stages
-from physgnn.dataset import Preset, Store, verification_of
+from physgnn.dataset import Preset, Store, generate, verification_of
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.load_paths import equal_levels
@@ -54,12 +54,21 @@ def test_refusals_leave_no_store(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_missing_on_the_workers(
-    block: TetMesh, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("solver", "message"),
+    [
+        ("febio", "no program 'febio4' is on PATH"),
+        ("imported", "can only be imported again"),
+    ],
+)
+def test_no_solver_to_go_on_with(
+    block: TetMesh,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    solver: str,
+    message: str,
 ) -> None:
     monkeypatch.setenv("PATH", "/nowhere")
-    from physgnn.dataset import generate
-
     mesh, paths = PRESET.on(block)
     store = Store.create(
         tmp_path / "s.zarr",
@@ -67,7 +76,7 @@ def test_missing_on_the_workers(
         paths,
         materials=PRESET.materials,
         fixed=mesh.point_set("fixed"),
-        provenance={"solver": "febio"},
+        provenance={"solver": solver},
     )
-    with pytest.raises(InputError, match="no program 'febio4' is on PATH"):
+    with pytest.raises(InputError, match=message):
         generate(store)

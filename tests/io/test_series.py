@@ -1,6 +1,7 @@
 """A folder of VTU or VTK files, ours and another program's."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -123,3 +124,12 @@ def test_empty_and_full(simulation: Simulation, tmp_path: Path) -> None:
         read_series(tmp_path)
     with pytest.raises(InputError, match="exists already"):
         write_series(tmp_path, simulation)
+
+
+def test_nothing_is_left_of_what_failed(simulation: Simulation, tmp_path: Path) -> None:
+    def pending() -> None:
+        raise InputError("no result yet")
+
+    with pytest.raises(InputError, match="no result yet"):
+        write_series(tmp_path / "path", replace(simulation, answer=pending))
+    assert list(tmp_path.iterdir()) == []

@@ -6,7 +6,9 @@ and ``force_n``, the nodal forces at that level. Field data ``load_factor`` says
 level's; without it the last level's is 1 and the others' follow from the forces.
 """
 
+import os
 import re
+import shutil
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -70,6 +72,9 @@ def read_series(folder: Path) -> list[Simulation]:
 def write_series(folder: str | Path, simulation: Simulation) -> None:
     """Write the converged levels of a load path; `read_series` gives them back.
 
+    A path with other loads than nodal forces is written without forces, to be looked
+    at: `read_series` refuses it.
+
     Raises
     ------
     InputError
@@ -78,16 +83,21 @@ def write_series(folder: str | Path, simulation: Simulation) -> None:
     folder = Path(folder)
     if folder.exists():
         raise InputError(f"{folder} exists already: name another folder")
-    folder.mkdir(parents=True)
     mesh = simulation.mesh.with_point_sets(fixed=simulation.fixed)
     solution = simulation.answer()
-    for level in np.flatnonzero(solution.status == Status.CONVERGED):
-        grid = grid_of(mesh)
-        case = simulation.load_path.case(int(level))
-        grid.point_data[DISPLACEMENT] = solution.displacement[level]
-        grid.point_data[FORCE] = case.on_points(mesh.n_points)
-        grid.field_data[FACTOR] = [simulation.load_path.load_factors[level]]
-        save_grid(folder / f"level-{level:04d}.vtu", grid)
+    part = folder.with_name(f".{folder.name}.{os.getpid()}")
+    try:
+        part.mkdir(parents=True)
+        for level in np.flatnonzero(solution.status == Status.CONVERGED).tolist():
+            grid = grid_of(mesh)
+            case = simulation.load_path.case(level)
+            grid.point_data[DISPLACEMENT] = solution.displacement[level]
+            grid.point_data[FORCE] = case.on_points(mesh.n_points)
+            grid.field_data[FACTOR] = [simulation.load_path.load_factors[level]]
+            save_grid(part / f"level-{level:04d}.vtu", grid)
+        part.rename(folder)
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
 
 
 def _answer(files: list[Path], mesh: TetMesh, factors: FloatArray) -> Solution:
