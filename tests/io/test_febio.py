@@ -152,6 +152,7 @@ def written(tmp_path: Path, block: TetMesh) -> Path:
         ('<scale lc="1"', '<scale lc="2"', "there is no load curve '2'"),
         ('name="force-y" node_set', 'name="f" node_set', "needs NodeData 'force-y'"),
         ('node id="9"', 'node id="999"', "node 9 is not among the nodes"),
+        ("<Boundary>", "<Contact><contact/></Contact><Boundary>", "section <Contact>"),
         ("</Mesh>", "", "expected a FEBio model"),
         ("<time_steps>2", "<time_steps>two", "an entry is missing or no number"),
     ],

@@ -25,6 +25,11 @@ from physgnn.mechanics.materials import Material
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+SECTIONS = (
+    *("Module", "Control", "Globals", "Material", "Mesh", "MeshDomains", "MeshData"),
+    *("Boundary", "Loads", "LoadData", "Output"),
+)
+
 
 @dataclass(frozen=True, eq=False)
 class FebioModel:
@@ -76,6 +81,7 @@ def read_febio(path: str | Path) -> FebioModel:
                 f"expected febio_spec 4.0 (got {root.tag} {root.get('version')}): "
                 "export it from FEBio Studio as version 4"
             )
+        _check_sections(root)
         return _Reader(root).model(path)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
@@ -108,6 +114,16 @@ def read_febio_results(path: Path) -> list[Simulation]:
     )
     asked = (model.mesh, model.fixed, model.load_path, model.materials)
     return [Simulation(str(path), *asked, answer)]
+
+
+def _check_sections(root: ET.Element) -> None:
+    """Raise InputError if there is contact, a rigid body, a second step, …."""
+    for section in root:
+        if section.tag not in SECTIONS and len(section):
+            raise InputError(
+                f"section <{section.tag}> is nothing we can represent: take it out, or "
+                "import the results as arrays"
+            )
 
 
 class _Reader:
