@@ -137,7 +137,7 @@ def _shear_modulus(body: Body) -> NDArray[np.float64]:
     mesh = body.mesh
     modulus = np.zeros(mesh.n_cells)
     for region, material in body.materials.items():
-        modulus[mesh.region == region] = material.constants[0]
+        modulus[mesh.region == region] = material.mu
     total = np.bincount(
         mesh.cells.ravel(), np.repeat(modulus, 4), minlength=mesh.n_points
     )

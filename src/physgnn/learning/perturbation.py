@@ -21,10 +21,9 @@ from physgnn.learning.interface import Body
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
+from physgnn.mechanics.second_variation import second_variation
 
 FloatArray = NDArray[np.float64]
-
-STEP = 0.05  # of s in the second difference; rounding and the fourth order are ~1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,23 +98,9 @@ class Perturbation:
         """
         k = self.nearest(force)
         first = self._solve(k, force - self._loads[k])
-        second = self._solve(k, -0.5 * self._second_derivative(k, first))
+        curved, _ = second_variation(self._elements, self._anchors[k], first)
+        second = self._solve(k, -0.5 * curved)
         return Expansion(self._anchors[k], first, second)
-
-    def _second_derivative(self, k: int, direction: FloatArray) -> FloatArray:
-        """d²/ds² of the internal force at anchor k along a direction, N."""
-        step = STEP
-        while True:
-            ahead, bad = internal_force(
-                self._elements, self._anchors[k] + step * direction
-            )
-            behind, also_bad = internal_force(
-                self._elements, self._anchors[k] - step * direction
-            )
-            if bad < 0 and also_bad < 0:
-                change: FloatArray = ahead + behind - 2 * self._loads[k]
-                return change / step**2
-            step /= 2  # a load far beyond any meant: a step inverted a cell
 
     def _internal(self, u: FloatArray) -> FloatArray:
         force, inverted = internal_force(self._elements, u)
