@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from conftest import block_mesh
+from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
 from physgnn.mechanics.averaging import make_averaging

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from conftest import block_mesh
+from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.mechanics import Gravity, LoadPath, NeoHookean, SolverOptions, solve
 from physgnn.mechanics.element import internal_force, make_elements

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from conftest import block_mesh
+from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.mechanics import (
     Gravity,

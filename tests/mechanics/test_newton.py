@@ -3,7 +3,17 @@
 import numpy as np
 import pytest
 
-from physgnn.mechanics import LoadCase, LoadPath, NeoHookean, solve
+from physgnn.mechanics import (
+    Gravity,
+    LoadCase,
+    LoadPath,
+    NeoHookean,
+    PrescribedDisplacement,
+    SolverOptions,
+    SurfacePressure,
+    faces_within,
+    solve,
+)
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.newton import Newton
 
@@ -40,3 +50,23 @@ def test_no_equilibrium_is_an_infinite_distance(block):
     assert Newton(block, MATERIALS).distance(case, np.zeros_like(block.points)) == (
         np.inf
     )
+
+
+@pytest.mark.parametrize("element", ["tet4", "tet4-averaged"])
+def test_all_loads_on_either_element(block, case, element):
+    """The path solver never sees how loads change with u, and still ends here."""
+    top = block.point_set("loaded")
+    more = (
+        SurfacePressure(faces_within(block, "loaded"), 100.0),
+        Gravity((0, 1, -1), fluid_level_mm=5.0),
+        PrescribedDisplacement(top[[0, 7]], np.array([[0, 0, -0.3], [0.1, 0, -0.2]])),
+    )
+    path = LoadPath(case.nodes[[5]], case.forces[[5]], np.array([0.5, 1.0]), more)
+    options = SolverOptions(element=element)
+    found = solve(block, path, materials=MATERIALS, options=options).displacement
+    newton = Newton(block, MATERIALS, element=element)
+    assert newton.distance(path, found[0], 0.5) < 1e-4
+    assert newton.distance(path, found[1]) < 1e-4
+    exact = newton.solve(path, found[1])
+    np.testing.assert_array_equal(exact[top[[0, 7]]], more[2].displacement)
+    assert newton.distance(case, np.zeros_like(exact)) > 0.1  # other points are held

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from conftest import block_mesh
+from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
 from physgnn.mechanics import LoadPath, NeoHookean, SolverOptions, solve

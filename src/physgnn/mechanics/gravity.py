@@ -12,6 +12,7 @@ from physgnn.geometry.tetmesh import TetMesh
 
 FloatArray = NDArray[np.float64]
 
+UNIT = 1e-15  # how far rounding may take the length of a direction from 1
 STANDARD_GRAVITY = 9.80665  # m/s², CODATA; times 1e-9 it turns kg/m³ into N/mm³
 
 
@@ -52,7 +53,10 @@ class Gravity:
             raise InputError(
                 f"direction must be three numbers, not all 0 (got {self.direction})"
             )
-        object.__setattr__(self, "direction", tuple((direction / length).tolist()))
+        # A unit vector stays as it is, so that a copy is the same to the last bit.
+        if abs(length - 1) > UNIT:
+            direction = direction / length
+        object.__setattr__(self, "direction", tuple(direction.tolist()))
         if not (self.density_kg_m3 > 0 and self.fluid_density_kg_m3 > 0):
             raise InputError(
                 "density_kg_m3 and fluid_density_kg_m3 must be > 0 "

@@ -14,7 +14,8 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.linear_solver import make_linear_solver
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loading import Loading
+from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.rest_state import fixed_points
 
@@ -34,6 +35,8 @@ class Newton:
     fixed : str or integer array
     tolerance_mm : float
         Iteration ends when no point moves further than this.
+    element : str
+        As in `SolverOptions`.
     """
 
     def __init__(
@@ -43,38 +46,50 @@ class Newton:
         fixed: str | NDArray[np.int64] = "fixed",
         *,
         tolerance_mm: float = 1e-9,
+        element: str = "tet4",
     ) -> None:
-        points = fixed_points(mesh, fixed)
-        self._elements = make_elements(mesh, materials)
-        self._pattern = make_pattern(mesh.cells, mesh.n_points, points)
-        self._linear = make_linear_solver(self._pattern)
+        self._mesh, self._fixed = mesh, fixed_points(mesh, fixed)
+        self._elements = make_elements(mesh, materials, element)
+        self._hold(np.empty(0, dtype=np.int64))
         self._tolerance_mm = tolerance_mm
         self.factorisations = 0
 
-    def solve(self, case: LoadCase, start: FloatArray) -> FloatArray | None:
+    def solve(
+        self, load: LoadCase | LoadPath, start: FloatArray, load_factor: float = 1.0
+    ) -> FloatArray | None:
         """Return the equilibrium next to a start, or None if there is none.
+
+        How pressure and buoyancy change with the displacement is left out of K(u):
+        under them the steps contract linearly, to the same equilibrium.
 
         Parameters
         ----------
-        case : LoadCase
+        load : LoadCase or LoadPath
         start : (n_points, 3) array
             mm.
+        load_factor : float
+            Where on the path.
 
         Returns
         -------
         (n_points, 3) array or None
+
+        Raises
+        ------
+        InputError
+            If the load does not fit the mesh.
         """
+        if isinstance(load, LoadCase):
+            load = LoadPath(load.nodes, load.forces, np.ones(1))
+        loading = Loading(self._mesh, load, self._fixed)
+        if not np.array_equal(loading.held, self._held):
+            self._hold(loading.held)
         u = np.array(start, dtype=np.float64)
-        free, load = self._pattern.free, case.on_points(len(u))
+        loading.place(u, load_factor)
         for _ in range(MAX_ITERATIONS):
-            data, inverted = assemble_tangent(self._elements, self._pattern, u)
-            if inverted >= 0 or not self._linear.factorize(data):
+            step = self._step(u, loading.force(u, load_factor))
+            if step is None:
                 return None
-            self.factorisations += 1
-            force, _ = internal_force(self._elements, u)
-            step = np.zeros_like(u)
-            right = (load - force)[free].ravel()
-            step[free] = self._linear.solve(right).reshape(-1, 3)
             scale = self._longest(u, step)
             u += scale * step
             size = float(np.linalg.norm(step, axis=1).max())
@@ -82,15 +97,42 @@ class Newton:
                 return u
         return None
 
-    def distance(self, case: LoadCase, displacement: FloatArray) -> float:
+    def distance(
+        self,
+        load: LoadCase | LoadPath,
+        displacement: FloatArray,
+        load_factor: float = 1.0,
+    ) -> float:
         """Largest distance of any point from its place in equilibrium, mm.
 
         Infinite if Newton's method finds no equilibrium from there.
         """
-        exact = self.solve(case, displacement)
+        exact = self.solve(load, displacement, load_factor)
         if exact is None:
             return float("inf")
         return float(np.linalg.norm(exact - displacement, axis=1).max())
+
+    def _hold(self, held: NDArray[np.int64]) -> None:
+        """Leave points out of the unknowns, beside the fixed ones."""
+        self._held = held
+        self._pattern = make_pattern(
+            self._mesh.cells,
+            self._mesh.n_points,
+            np.union1d(self._fixed, held),
+            self._elements.averaging,
+        )
+        self._linear = make_linear_solver(self._pattern)
+
+    def _step(self, u: FloatArray, load: FloatArray) -> FloatArray | None:
+        """Return Newton's step; None if a cell is inverted or K(u) is singular."""
+        data, inverted = assemble_tangent(self._elements, self._pattern, u)
+        if inverted >= 0 or not self._linear.factorize(data):
+            return None
+        self.factorisations += 1
+        force, _ = internal_force(self._elements, u)
+        step, free = np.zeros_like(u), self._pattern.free
+        step[free] = self._linear.solve((load - force)[free].ravel()).reshape(-1, 3)
+        return step
 
     def _longest(self, u: FloatArray, step: FloatArray) -> float:
         """Return the longest of 1, ½, ¼ … of a step that inverts no cell."""
