@@ -17,7 +17,7 @@ from physgnn.dataset import (
     generate,
     verify,
 )
-from physgnn.dataset.generate import DEFAULT_SOLVER
+from physgnn.dataset.generate import DEFAULT_SOLVER, check_febio
 from physgnn.dataset.presets import find_preset
 from physgnn.errors import InputError
 from physgnn.geometry import (
@@ -130,12 +130,15 @@ def simulate(
     if isinstance(preset, str):
         preset = find_preset(preset)
     mesh, paths = preset.on(mesh)
+    if solver == "febio":
+        check_febio(preset.element, paths)
     opened = Store.resume(
         store,
         mesh,
         paths,
         materials=preset.materials,
         fixed=mesh.point_set("fixed"),
+        element=preset.element,
         provenance={
             "preset": name,
             "solver": solver,
@@ -178,13 +181,16 @@ def train(
         See `physgnn.learning.train`.
     """
     from physgnn.evaluation.run import named_split
+    from physgnn.learning.training import is_first_process
     from physgnn.learning.training import train as train_network
     from physgnn.prediction.predictor import calibrate_run
 
-    opened = Store.open(store)
+    # Training keeps what it read in a file: the store needn't keep it too.
+    opened = Store.open(store, cache_bytes=128 * 2**20)
     parts = named_split(split, opened)
     checkpoint = train_network(opened, parts, config, run, progress=progress, **options)
-    calibrate_run(run, opened, parts, progress=progress)
+    if is_first_process():
+        calibrate_run(run, opened, parts, progress=progress)
     return checkpoint
 
 

@@ -232,7 +232,7 @@ def test_resume_opens_what_asks_the_same(new_store: NewStore) -> None:
         (store.mesh, paths, stiffer),
         (store.mesh, paths, {**asked, "fixed": store.fixed[1:]}),
     ):
-        with pytest.raises(InputError, match="made for another mesh, load or material"):
+        with pytest.raises(InputError, match="made for another mesh, load, mat"):
             Store.resume(store.path, mesh, some, **wrong)
     other = store.path.with_name("other")
     assert len(Store.resume(other, store.mesh, paths, **asked).pending()) == 5

@@ -1,6 +1,7 @@
-"""What a dataset asks: mesh, materials, fixed points and load paths, on disk."""
+"""What a dataset asks: mesh, element, materials, fixed points, load paths; on disk."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,16 +10,118 @@ import zarr
 from numpy.typing import NDArray
 
 from physgnn.dataset import layout
+from physgnn.dataset.load_records import distinct, to_record
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import Material
 from physgnn.mechanics.materials.table import material_to_config
+from physgnn.mechanics.solver import SolverOptions
+
+DEFAULT_ELEMENT = "tet4"
 
 
-def materials_of(
-    mesh: TetMesh, materials: Mapping[int, Material]
-) -> dict[int, Material]:
+@dataclass(frozen=True, eq=False)
+class Definition:
+    """All that is asked, complete and consistent.
+
+    Attributes
+    ----------
+    mesh : TetMesh
+    paths : sequence of LoadPath
+        One or more, all with the same load factors.
+    materials : mapping of region to Material
+        One for every region of the mesh; others are left out.
+    fixed : (n_fixed,) int64 array
+    element : str
+        As in `physgnn.mechanics.SolverOptions`.
+
+    Raises
+    ------
+    InputError
+        If a path does not fit, a region has no material, or the element is unknown.
+    """
+
+    mesh: TetMesh
+    paths: Sequence[LoadPath]
+    materials: Mapping[int, Material]
+    fixed: NDArray[np.int64]
+    element: str = DEFAULT_ELEMENT
+
+    def __post_init__(self) -> None:
+        SolverOptions(element=self.element)  # refuses elements there are not
+        object.__setattr__(self, "fixed", np.asarray(self.fixed, dtype=np.int64))
+        object.__setattr__(self, "materials", _needed(self.mesh, self.materials))
+        _check_paths(self.mesh, self.paths, self.fixed)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of what is asked: two stores that ask the same share it."""
+        nodes, forces = _padded(self.paths)
+        loads, of_path = distinct(self.paths)
+        beyond: list[Any] = [self.element, of_path, *loads]
+        if self.element == DEFAULT_ELEMENT and not loads:
+            beyond = []  # as for stores made before there was any of it
+        return layout.digest_of(
+            self.mesh.content_hash,
+            _records(self.materials),
+            self.fixed,
+            nodes,
+            forces,
+            self.paths[0].load_factors,
+            *beyond,
+        )
+
+    def write(self, folder: Path, provenance: Mapping[str, Any]) -> None:
+        """Write a new store at `folder`, every path pending."""
+        group = zarr.open_group(folder, mode="w-")
+        loads, of_path = distinct(self.paths)
+        kept = [to_record(load) for load in loads.values()]
+        attributes: dict[str, Any] = {
+            "format": layout.FORMAT,
+            "version": layout.VERSION,
+            "n_paths": len(self.paths),
+            "n_points": self.mesh.n_points,
+            "mesh_hash": self.mesh.content_hash,
+            "point_sets": sorted(self.mesh.point_sets),
+            "element": self.element,
+            "materials": _records(self.materials),
+            "more_loads": [record for record, _ in kept],
+            "definition_hash": self.digest,
+            "provenance": dict(provenance),
+        }
+        group.attrs.update(attributes)
+        more = {
+            f"loads/more/{k}/{name}": value
+            for k, (_, arrays) in enumerate(kept)
+            for name, value in arrays.items()
+        }
+        if loads:
+            more["loads/more_of_path"] = of_path
+        for name, value in {**self._arrays(), **more}.items():
+            layout.put_array(group, name, value)
+        rows = layout.result_arrays(self.paths[0].n_levels, self.mesh.n_points)
+        for name, (shape, dtype, fill) in rows.items():
+            of_all = (len(self.paths), *shape)
+            layout.put_rows(group, f"result/{name}", of_all, dtype, fill)
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        mesh = self.mesh
+        nodes, forces = _padded(self.paths)
+        return {
+            "mesh/points": mesh.points,
+            "mesh/cells": mesh.cells,
+            "mesh/region": mesh.region,
+            **{f"mesh/point_sets/{name}": ids for name, ids in mesh.point_sets.items()},
+            "fixed": self.fixed,
+            "loads/nodes": nodes,
+            "loads/forces": forces,
+            "load_factors": self.paths[0].load_factors,
+        }
+
+
+def _needed(mesh: TetMesh, materials: Mapping[int, Material]) -> dict[int, Material]:
     """Return the materials of the mesh's regions; InputError if one has none."""
     regions = np.unique(mesh.region).tolist()
     without = [region for region in regions if region not in materials]
@@ -27,80 +130,23 @@ def materials_of(
     return {region: materials[region] for region in regions}
 
 
-def check(mesh: TetMesh, paths: Sequence[LoadPath], fixed: NDArray[np.int64]) -> None:
+def _check_paths(
+    mesh: TetMesh, paths: Sequence[LoadPath], fixed: NDArray[np.int64]
+) -> None:
     """Raise InputError if the paths do not fit the mesh or each other."""
     if not paths:
         raise InputError("a dataset needs one load path or more (got none)")
     for i, path in enumerate(paths):
         path.check_against(mesh, fixed)
         if path.more:
-            raise InputError(
-                f"a dataset keeps nodal forces alone; path {i} has other loads too"
-            )
+            Loading(mesh, path, fixed)  # refuses loads that don't fit
         if not np.array_equal(path.load_factors, paths[0].load_factors):
             raise InputError(
                 f"all load paths must have the same load factors (path {i} differs)"
             )
 
 
-def digest(
-    mesh: TetMesh,
-    paths: Sequence[LoadPath],
-    materials: Mapping[int, Material],
-    fixed: NDArray[np.int64],
-) -> str:
-    """Return the SHA-256 of what is asked: two stores that ask the same share it."""
-    return layout.digest_of(
-        mesh.content_hash,
-        _material_records(materials),
-        np.asarray(fixed, dtype=np.int64),
-        *_padded(paths),
-        paths[0].load_factors,
-    )
-
-
-def write(
-    folder: Path,
-    mesh: TetMesh,
-    paths: Sequence[LoadPath],
-    *,
-    materials: Mapping[int, Material],
-    fixed: NDArray[np.int64],
-    provenance: Mapping[str, Any],
-) -> None:
-    """Write a new store at `folder`, every path pending."""
-    group = zarr.open_group(folder, mode="w-")
-    attributes: dict[str, Any] = {
-        "format": layout.FORMAT,
-        "version": layout.VERSION,
-        "n_paths": len(paths),
-        "n_points": mesh.n_points,
-        "mesh_hash": mesh.content_hash,
-        "point_sets": sorted(mesh.point_sets),
-        "materials": _material_records(materials),
-        "definition_hash": digest(mesh, paths, materials, fixed),
-        "provenance": dict(provenance),
-    }
-    group.attrs.update(attributes)
-    nodes, forces = _padded(paths)
-    arrays: dict[str, NDArray[Any]] = {
-        "mesh/points": mesh.points,
-        "mesh/cells": mesh.cells,
-        "mesh/region": mesh.region,
-        **{f"mesh/point_sets/{name}": ids for name, ids in mesh.point_sets.items()},
-        "fixed": np.asarray(fixed, dtype=np.int64),
-        "loads/nodes": nodes,
-        "loads/forces": forces,
-        "load_factors": paths[0].load_factors,
-    }
-    for name, value in arrays.items():
-        layout.put_array(group, name, value)
-    rows = layout.result_arrays(paths[0].n_levels, mesh.n_points)
-    for name, (shape, dtype, fill) in rows.items():
-        layout.put_rows(group, f"result/{name}", (len(paths), *shape), dtype, fill)
-
-
-def _material_records(materials: Mapping[int, Material]) -> dict[str, Any]:
+def _records(materials: Mapping[int, Material]) -> dict[str, Any]:
     return {str(region): material_to_config(m) for region, m in materials.items()}
 
 

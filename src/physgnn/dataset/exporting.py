@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from physgnn.dataset.generate import check_febio
 from physgnn.dataset.presets import Preset, find_preset
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
@@ -47,19 +48,32 @@ def export_febio(
         store = Store.open(source)
         _check_path(path, store.n_paths)
         mesh, load_path = store.mesh, store.load_path(path)
-        materials, fixed = store.materials, store.fixed
+        materials, fixed, element = store.materials, store.fixed, store.element
     else:
         preset = find_preset(preset) if isinstance(preset, str) else preset
         mesh, paths = preset.on(read_mesh(source))
         _check_path(path, len(paths))
         load_path, fixed = paths[path], mesh.point_set("fixed")
-        materials = dict(preset.materials)
+        materials, element = dict(preset.materials), preset.element
+    check_febio(element, [load_path])
     write_febio(out, mesh, load_path, materials=materials, fixed=fixed)
 
 
 def export_arrays(source: str | Path, out: str | Path) -> None:
-    """Write a whole dataset as arrays, see `physgnn.io.arrays`."""
+    """Write a whole dataset as arrays, see `physgnn.io.arrays`.
+
+    Raises
+    ------
+    InputError
+        If a load path has more than nodal forces, for which there are no arrays.
+    """
     store = Store.open(source)
+    for i in range(store.n_paths):
+        if store.load_path(i).more:
+            raise InputError(
+                f"the arrays hold nodal forces alone, and load path {i} of {source} "
+                "has other loads: write it with --series"
+            )
     write_arrays(out, [simulation_of(store, i) for i in range(store.n_paths)])
 
 

@@ -4,23 +4,23 @@ A path is written into its own chunks, and solved again only if it was not finis
 a run may be killed at any moment and started again.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.dataset.store import Store
 from physgnn.dataset.work import Result, Work, each
+from physgnn.errors import InputError
 from physgnn.io.febio_run import FebioSolver
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.solution import Solution
-from physgnn.mechanics.solver import Solver
+from physgnn.mechanics.solver import Solver, SolverOptions
 from physgnn.progress import Progress
 
 ALREADY_THERE = "already there"
 DEFAULT_SOLVER = "physgnn"
-SOLVERS: Mapping[str, Any] = {DEFAULT_SOLVER: Solver, "febio": FebioSolver}
-"""Made of mesh, materials and fixed points; the store's provenance names one."""
 
 
 class CanSolve(Protocol):
@@ -82,11 +82,40 @@ def generate(
         return _gather(results, store, progress)
 
 
+def _own_solver(store: Store) -> CanSolve:
+    options = SolverOptions(element=store.element)
+    return Solver(store.mesh, store.materials, store.fixed, options=options)
+
+
+def _febio_solver(store: Store) -> CanSolve:
+    return FebioSolver(store.mesh, store.materials, store.fixed)
+
+
+SOLVERS: Mapping[str, Callable[[Store], CanSolve]] = {
+    DEFAULT_SOLVER: _own_solver,
+    "febio": _febio_solver,
+}
+"""The store's provenance names one."""
+
+
+def check_febio(element: str, paths: Sequence[LoadPath]) -> None:
+    """Raise InputError if a FEBio model as we write it could not ask the same."""
+    if element != DEFAULT_ELEMENT or any(path.more for path in paths):
+        raise InputError(
+            f"for FEBio we write element '{DEFAULT_ELEMENT}' and nodal forces alone: "
+            "leave element and [[loads.more]] out, or solve without FEBio"
+        )
+
+
 def solver_of(store: Store) -> CanSolve:
-    """Return the solver a store is made with, ready for its body."""
-    make = SOLVERS[store.provenance.get("solver", DEFAULT_SOLVER)]
-    solver: CanSolve = make(store.mesh, store.materials, store.fixed)
-    return solver
+    """Return the solver a store is made with; InputError if it is none of ours."""
+    name = store.provenance.get("solver", DEFAULT_SOLVER)
+    if name not in SOLVERS:
+        raise InputError(
+            f"store {store.path} was not made by one of our solvers ({name}): what it "
+            "lacks can only be imported again"
+        )
+    return SOLVERS[name](store)
 
 
 def solve_and_write(store: Store, solver: CanSolve, i: int) -> tuple[str, str]:

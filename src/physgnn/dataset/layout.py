@@ -84,6 +84,12 @@ def read(group: zarr.Group, name: str, row: int | None = None) -> np.ndarray[Any
         raise InputError(damaged(group, name, row, str(error))) from error
 
 
+def read_all(group: zarr.Group, name: str) -> dict[str, np.ndarray[Any, Any]]:
+    """Read all arrays of a group by name; a group that is not there has none."""
+    names = group[name].array_keys() if name in group else ()  # type: ignore[union-attr]
+    return {key: read(group, f"{name}/{key}") for key in names}
+
+
 def damaged(group: zarr.Group, name: str, row: int | None, reason: str) -> str:
     """Return the one line that says which chunk is damaged and what to do."""
     path = store_path(group)

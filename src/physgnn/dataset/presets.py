@@ -1,12 +1,13 @@
 """What to simulate on a mesh, and three ready-made answers to that."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.dataset.definition import DEFAULT_ELEMENT
+from physgnn.dataset.load_rules import Paths
 from physgnn.errors import InputError
 from physgnn.geometry import point_sets
 from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
@@ -14,8 +15,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.load_paths import all_node_paths, cone_paths, single_node_paths
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import Material, NeoHookean
-
-IntArray = NDArray[np.int64]
+from physgnn.mechanics.resection import remove_region
 
 
 @dataclass(frozen=True)
@@ -30,30 +30,46 @@ class Preset:
         From mesh and loaded nodes to load paths.
     fixed, loaded : rule or None
         Points held and points loaded; None takes the mesh's point set of that name.
+    others : mapping of str to rule
+        More point sets, which loads of other kinds act on.
+    has_forces : bool
+        False if the paths have no nodal forces: then nothing need be loaded.
+    element : str
+        As in `physgnn.mechanics.SolverOptions`.
+    removed : int or None
+        Region taken out before all else; its walls are then outer surface.
     """
 
     materials: Mapping[int, Material]
-    paths: Callable[[TetMesh, IntArray], list[LoadPath]]
+    paths: Paths
     fixed: Rule | None = None
     loaded: Rule | None = None
+    others: Mapping[str, Rule] = field(default_factory=dict)
+    has_forces: bool = True
+    element: str = DEFAULT_ELEMENT
+    removed: int | None = None
 
     def on(self, mesh: TetMesh) -> tuple[TetMesh, list[LoadPath]]:
-        """Return the mesh with its sets "fixed" and "loaded", and the load paths.
+        """Return the mesh to be solved on, with its point sets, and the load paths.
 
         Raises
         ------
         InputError
-            If a rule selects nothing, or the mesh lacks a set that has no rule.
+            If a rule selects nothing, the mesh lacks a set that has no rule, or a load
+            does not fit it.
         """
-        rules = {"fixed": self.fixed, "loaded": self.loaded}
+        if self.removed is not None:
+            mesh, _ = remove_region(mesh, self.removed)
+        rules = {"fixed": self.fixed, "loaded": self.loaded, **self.others}
         sets = {
             name: mesh.point_set(name)
             if rule is None
             else point_sets.select(mesh, rule)
             for name, rule in rules.items()
+            if name != "loaded" or rule is not None or self.has_forces
         }
         mesh = mesh.with_point_sets(**sets)
-        return mesh, self.paths(mesh, sets["loaded"])
+        return mesh, self.paths(mesh, sets.get("loaded", np.empty(0, dtype=np.int64)))
 
 
 BRAIN_AND_TUMOUR: Mapping[int, Material] = {

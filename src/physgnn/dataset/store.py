@@ -11,14 +11,14 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.dataset import definition, layout
+from physgnn.dataset import layout
+from physgnn.dataset.definition import DEFAULT_ELEMENT, Definition
+from physgnn.dataset.load_records import from_record, kind_of
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.loads import LoadCase, LoadPath
+from physgnn.mechanics.loads import Load, LoadCase, LoadPath
 from physgnn.mechanics.materials import Material, material_from_config
 from physgnn.mechanics.solution import Solution, Status
-
-MATERIAL_MODELS = {"neo-hookean": Material}
 
 
 class Store:
@@ -72,6 +72,7 @@ class Store:
         materials: Mapping[int, Material],
         fixed: NDArray[np.int64],
         provenance: Mapping[str, Any],
+        element: str = DEFAULT_ELEMENT,
     ) -> Self:
         """Make a store in which every path is pending.
 
@@ -89,28 +90,23 @@ class Store:
             Points held at zero displacement.
         provenance : mapping
             Anything JSON can hold: how the dataset came about.
+        element : str
+            As in `physgnn.mechanics.SolverOptions`.
 
         Raises
         ------
         InputError
-            If the folder exists, a path does not fit, or a region has no material.
+            If the folder exists, a path does not fit, a region has no material, or
+            the element is unknown.
         """
         target = Path(path)
         if target.exists():
             raise InputError(f"{target} exists already: open it, or name another")
-        materials = definition.materials_of(mesh, materials)
-        definition.check(mesh, paths, fixed)
+        asked = Definition(mesh, paths, materials, fixed, element)
         partial = target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.partial")
         try:
             partial.parent.mkdir(parents=True, exist_ok=True)
-            definition.write(
-                partial,
-                mesh,
-                paths,
-                materials=materials,
-                fixed=fixed,
-                provenance=provenance,
-            )
+            asked.write(partial, provenance)
             partial.rename(target)
         finally:
             shutil.rmtree(partial, ignore_errors=True)
@@ -126,6 +122,7 @@ class Store:
         materials: Mapping[int, Material],
         fixed: NDArray[np.int64],
         provenance: Mapping[str, Any],
+        element: str = DEFAULT_ELEMENT,
     ) -> Self:
         """Open the store if there is one that asks just this, or make it.
 
@@ -144,13 +141,14 @@ class Store:
                 materials=materials,
                 fixed=fixed,
                 provenance=provenance,
+                element=element,
             )
         store = cls(path)
-        materials = definition.materials_of(mesh, materials)
-        if store.definition_hash != definition.digest(mesh, paths, materials, fixed):
+        asked = Definition(mesh, paths, materials, fixed, element)
+        if store.definition_hash != asked.digest:
             raise InputError(
-                f"store {path} was made for another mesh, load or material: name "
-                "another, or delete it"
+                f"store {path} was made for another mesh, load, material or element: "
+                "name another, or delete it"
             )
         return store
 
@@ -189,6 +187,11 @@ class Store:
         return {int(region): material_from_config(r) for region, r in records.items()}
 
     @property
+    def element(self) -> str:
+        """The finite element, as in `physgnn.mechanics.SolverOptions`."""
+        return str(self._attributes.get("element", DEFAULT_ELEMENT))
+
+    @property
     def provenance(self) -> dict[str, Any]:
         """How the dataset came about, as given to `create`."""
         return dict(self._attributes["provenance"])
@@ -197,15 +200,43 @@ class Store:
     def _loads(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         return self._read("loads/nodes"), self._read("loads/forces")
 
+    @cached_property
+    def _more(self) -> tuple[list[Load], NDArray[np.int32]]:
+        """All loads beside nodal forces, and which of them every path has."""
+        records = self._attributes.get("more_loads", [])
+        if not records:
+            return [], np.empty((self.n_paths, 0), dtype=np.int32)
+        loads = [
+            from_record(record, layout.read_all(self._group, f"loads/more/{k}"))
+            for k, record in enumerate(records)
+        ]
+        return loads, self._read("loads/more_of_path")
+
     def load_path(self, i: int) -> LoadPath:
-        """Return load path ``i``."""
+        """Return load path ``i`` with all its loads."""
         nodes, forces = self._loads
         used = nodes[i] >= 0
-        return LoadPath(nodes[i][used], forces[i][used], self.load_factors)
+        loads, of_path = self._more
+        more = tuple(loads[k] for k in of_path[i] if k >= 0)
+        return LoadPath(nodes[i][used], forces[i][used], self.load_factors, more)
 
     def load_case(self, i: int, level: int) -> LoadCase:
-        """Return the load case of path ``i`` at a 0-based level."""
-        return self.load_path(i).case(level)
+        """Return the load case of path ``i`` at a 0-based level.
+
+        Raises
+        ------
+        InputError
+            If the path has more than nodal forces, which a load case cannot carry.
+        """
+        path = self.load_path(i)
+        if path.more:
+            kinds = ", ".join(sorted({kind_of(load) for load in path.more}))
+            raise InputError(
+                f"store {self.path}: load path {i} has other loads than nodal forces "
+                f"({kinds}), and networks take nodal forces alone: use a dataset "
+                "without them"
+            )
+        return path.case(level)
 
     def displacement(self, i: int) -> NDArray[np.float32]:
         """Return path ``i``'s displacement, (n_levels, n_points, 3), mm, read-only.

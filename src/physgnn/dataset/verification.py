@@ -120,13 +120,14 @@ def draw_level(store: Store, i: int) -> int:
 
 
 def _newton_of(store: Store) -> Newton:
-    return Newton(store.mesh, store.materials, store.fixed)
+    return Newton(store.mesh, store.materials, store.fixed, element=store.element)
 
 
 def _check_and_write(store: Store, newton: Newton, i: int) -> tuple[str, str]:
     level = draw_level(store, i)
     displacement = store.displacement(i)[level].astype(np.float64)
-    distance = newton.distance(store.load_case(i, level), displacement)
+    factor = float(store.load_factors[level])
+    distance = newton.distance(store.load_path(i), displacement, factor)
     group: zarr.Group = layout.open_group(store.path)
     group[f"{GROUP}/level"][i] = level  # type: ignore[index]
     group[f"{GROUP}/distance_mm"][i] = distance  # type: ignore[index]

@@ -90,9 +90,10 @@ def write_series(folder: str | Path, simulation: Simulation) -> None:
         part.mkdir(parents=True)
         for level in np.flatnonzero(solution.status == Status.CONVERGED).tolist():
             grid = grid_of(mesh)
-            case = simulation.load_path.case(level)
             grid.point_data[DISPLACEMENT] = solution.displacement[level]
-            grid.point_data[FORCE] = case.on_points(mesh.n_points)
+            if not simulation.load_path.more:  # part of the loads would pass for all
+                case = simulation.load_path.case(level)
+                grid.point_data[FORCE] = case.on_points(mesh.n_points)
             grid.field_data[FACTOR] = [simulation.load_path.load_factors[level]]
             save_grid(part / f"level-{level:04d}.vtu", grid)
         part.rename(folder)
