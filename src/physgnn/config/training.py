@@ -1,0 +1,31 @@
+"""How to train (``physgnn train --config``).
+
+The keys are the fields of `physgnn.learning.TrainingConfig`; a table ``[options]`` is
+for the model's own.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from physgnn.config.tables import from_table, read_toml
+
+if TYPE_CHECKING:
+    from physgnn.learning.training_config import TrainingConfig
+
+
+def read_training(path: str | Path | None, **changes: Any) -> "TrainingConfig":
+    """Read a training configuration; `changes` that are not None win over the file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a key or value is wrong.
+    """
+    # torch takes seconds to import, and simulating does not need it
+    from physgnn.learning.training_config import TrainingConfig
+
+    values = {} if path is None else read_toml(path)
+    options = {**values.pop("options", {}), **changes.pop("options", {})}
+    given = {name: value for name, value in changes.items() if value is not None}
+    where = "the training configuration" if path is None else str(path)
+    return from_table(TrainingConfig, {**values, **given, "options": options}, where)
