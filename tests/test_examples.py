@@ -3,17 +3,56 @@
 import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
+import pyvista as pv
 
+from physgnn import stages
 from physgnn.config import read_preset, read_training
-from physgnn.dataset import PRESETS
+from physgnn.dataset import PRESETS, Store, verification_of
+from physgnn.geometry import Surface, TetMesh, tetrahedralize
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
+# Without forces the one path has the loads of [[loads.more]] alone.
+BEYOND_FORCES = ("sagging", "retraction", "resection", "displacement")
+
+
+def sphere(radius: float, centre: tuple[float, float, float], nsub: int) -> Surface:
+    made = pv.Icosphere(radius=radius, center=centre, nsub=nsub)
+    return Surface(made.points, made.regular_faces.astype(np.int32))
+
+
+@pytest.fixture(scope="module")
+def ball() -> TetMesh:
+    """A ball about as large as the bundled brain, with a tumour in the same place."""
+    brain, tumour = sphere(75.0, (0, 0, 0), 3), sphere(11.0, (30, 15, 42), 1)
+    return tetrahedralize(brain, [tumour], max_volume_mm3=1e4)
 
 
 def test_every_example_is_tested() -> None:
     names = {path.name for path in EXAMPLES.iterdir() if path.is_file()}
-    assert names == {"craniotomy.toml", "training.toml", "simulate_block.py"}
+    assert names == {
+        "craniotomy.toml",
+        "training.toml",
+        "simulate_block.py",
+        "measured.csv",
+        *(f"{name}.toml" for name in BEYOND_FORCES),
+    }
+
+
+@pytest.mark.parametrize("name", BEYOND_FORCES)
+def test_more_than_forces(name: str, ball: TetMesh, tmp_path: Path) -> None:
+    preset = read_preset(EXAMPLES / f"{name}.toml")
+    store, did = stages.simulate(ball, preset, tmp_path / "s.zarr")
+    assert not did.errors
+    assert (store.status == 0).all()
+    assert verification_of(store).largest_mm < 1e-4
+    store = Store.open(store.path)
+    assert store.element == preset.element
+    assert all(store.load_path(i).more for i in range(store.n_paths))
+    largest = np.linalg.norm(store.displacement(0)[-1], axis=1).max()
+    assert 0.5 < largest < 15
+    assert (store.mesh.n_cells < ball.n_cells) == (name == "resection")
 
 
 def test_simulate_block(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

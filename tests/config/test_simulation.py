@@ -1,15 +1,15 @@
-"""Settings: what is read, and one clear line for each mistake."""
+"""What to simulate: what is read, and one clear line for each mistake."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from physgnn.config import from_table, read_point_sets, read_preset, read_training
+from physgnn.config import read_point_sets, read_preset
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.gravity import Gravity
+from physgnn.mechanics.materials import TISSUES, NeoHookean, Ogden
 
 WHOLE = """
 [point_sets.fixed]
@@ -74,7 +74,7 @@ def test_point_sets_alone(tmp_path: Path) -> None:
     [
         (
             ("[loads]", "[load]"),
-            r"unknown key 'load' in .* point_sets, materials, loads",
+            r"unknown key 'load' in .* element, remove_region, point_sets, mat",
         ),
         (
             ("cone_deg", "cone_degrees"),
@@ -111,30 +111,107 @@ def test_no_file(tmp_path: Path) -> None:
         read_preset(write(tmp_path, ""))
 
 
-def test_training(tmp_path: Path) -> None:
-    file = write(tmp_path, "batch_size = 4\nseed = 3\n[options]\nconfiguration = 9\n")
-    config = read_training(file, seed=5, max_epochs=None, options={"dataset": 1})
-    assert (config.batch_size, config.seed) == (4, 5)
-    assert config.max_epochs == read_training(None).max_epochs
-    assert config.options == {"configuration": 9, "dataset": 1}
-    with pytest.raises(InputError, match=r"unknown key 'batchsize'.*batch_size"):
-        read_training(write(tmp_path, "batchsize = 4"))
-    with pytest.raises(InputError, match=r"batch_size .* must be int"):
-        read_training(write(tmp_path, 'batch_size = "4"'))
+MORE = """
+element = "tet4-averaged"
+remove_region = 1
+
+[point_sets.patch]
+kind = "sphere"
+centre_mm = [5, 5, 5]
+radius_mm = 6.5
+
+[materials.brain]
+tissue = "brain-ogden"
+
+[materials.7]
+law = "ogden"
+coefficients_pa = [1000, -200.5]
+exponents = [2, -4]
+bulk_modulus_pa = 2e4
+
+[loads]
+levels = 2
+
+[[loads.more]]
+kind = "pressure"
+points = "patch"
+pressure_pa = 20
+
+[[loads.more]]
+kind = "gravity"
+direction = [0, 0, -1]
+fluid_level_mm = 2.5
+
+[[loads.more]]
+kind = "measured"
+file = "measured.csv"
+snap_mm = 2.0
+"""
 
 
-@dataclass(frozen=True)
-class Mixed:
-    name: str
-    size: float = 1.0
-    limit: int | None = None
+def write_more(folder: Path, text: str = MORE) -> Path:
+    np.savetxt(folder / "measured.csv", np.eye(3, 6, 3) + 3, delimiter=",")
+    return write(folder, text)
 
 
-def test_from_table_checks_types() -> None:
-    assert from_table(Mixed, {"name": "a", "size": 2}, "here") == Mixed("a", 2)
-    assert from_table(Mixed, {"name": "a", "limit": None}, "here").limit is None
-    for table in ({"name": 1}, {"name": "a", "limit": 0.5}, {"name": "a", "size": "b"}):
-        with pytest.raises(InputError, match="in here must be"):
-            from_table(Mixed, table, "here")
-    with pytest.raises(InputError, match="here must be a table"):
-        from_table(Mixed, [1, 2], "here")
+def test_all_kinds_of_loads_without_forces(tmp_path: Path, block: TetMesh) -> None:
+    preset = read_preset(write_more(tmp_path))
+    assert (preset.element, preset.removed) == ("tet4-averaged", 1)
+    assert preset.materials[0] == TISSUES["brain-ogden"].material
+    assert preset.materials[7] == Ogden((1000, -200.5), (2, -4), 2e4)
+    bare = TetMesh(block.points, block.cells, block.region)
+    mesh, [path] = preset.on(bare.with_point_sets(fixed=block.point_set("fixed")))
+    assert mesh.n_cells == (block.region == 0).sum()
+    assert sorted(mesh.point_sets) == ["fixed", "patch"]
+    assert path.load_factors.tolist() == [0.5, 1.0]
+    assert len(path.nodes) == 0
+    pressure, gravity, measured = path.more
+    assert (pressure.pressure_pa, gravity.fluid_level_mm) == (20, 2.5)
+    assert len(measured.nodes) >= 1
+
+
+def test_more_loads_beside_forces(tmp_path: Path, block: TetMesh) -> None:
+    text = WHOLE + '[[loads.more]]\nkind = "gravity"\ndirection = [0, 1, 0]\n'
+    _, paths = read_preset(write(tmp_path, text)).on(block)
+    _, without = read_preset(write(tmp_path, WHOLE)).on(block)
+    assert [path.more for path in paths] == 7 * [(Gravity((0, 1, 0)),)]
+    for path, other in zip(paths, without, strict=True):
+        assert np.array_equal(path.forces, other.forces)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('"tet4-averaged"', '"hex8"'), "element must be one of tet4, tet4-averaged"),
+        (("remove_region = 1", 'remove_region = "skull"'), "unknown region 'skull'"),
+        (("levels = 2", "levels = 2\ncone_deg = 9"), "needs the key 'total_force_n'"),
+        (("levels = 2", "levels = 0"), "levels must be > 0"),
+        (("[[loads.more]]", "[loads.more]"), "TOML|must be tables"),
+        (('"pressure"', '"suction"'), r"number 1 .* kind = one of pressure, gravity"),
+        (("pressure_pa = 20", "pressure = 20"), "'pressure' .* points, pressure_pa"),
+        (("pressure_pa = 20", 'pressure_pa = "20"'), "pressure_pa .* must be float"),
+        (("pressure_pa = 20", "pressure_pa = 0"), "finite and not 0"),
+        (('points = "patch"', 'points = "brim"'), "unknown key 'patch'.*loaded, brim"),
+        (("[0, 0, -1]", "[0, -1]"), "direction .* must be a list of 3 numbers"),
+        (("[0, 0, -1]", '["z"]'), "direction .* must be a list of 3 numbers"),
+        (
+            ("fluid_level_mm", "csf_level_mm"),
+            r"'csf_level_mm' in .*number 2.*fluid_lev",
+        ),
+        (('"measured.csv"', "7"), "file .* must be str"),
+        (('"brain-ogden"', '"liver"'), "tissue = one of brain, tumour"),
+        (('"brain-ogden"', '"brain"\npoissons_ratio = 0.3'), r"its keys: tissue"),
+        (('law = "ogden"', 'law = "fung"'), "law = one of neo-hookean, mooney"),
+        (("exponents = [2, -4]", "exponents = 2"), "exponents .* list of numbers"),
+        (("exponents = [2, -4]", "exponents = [2]"), r"pairs \(got 2 and 1"),
+        (("exponents = [2, -4]\n", ""), "takes coefficients_pa, exponents, bulk"),
+    ],
+)
+def test_mistakes_beyond_forces(
+    tmp_path: Path, block: TetMesh, change: tuple[str, str], message: str
+) -> None:
+    assert change[0] in MORE
+    path = write_more(tmp_path, MORE.replace(*change))
+    with pytest.raises(InputError, match=message) as raised:
+        read_preset(path).on(block)
+    assert "\n" not in str(raised.value)
