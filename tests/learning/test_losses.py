@@ -25,3 +25,10 @@ def test_a_perfect_prediction_has_a_finite_gradient(name: str) -> None:
     LOSSES[name](y, torch.ones(2, 4, 3)).backward()
     assert y.grad is not None
     assert torch.isfinite(y.grad).all()
+
+
+def test_the_relative_loss_weighs_small_loads_as_much_as_large_ones() -> None:
+    true = torch.rand(3, 50, 3, generator=torch.Generator().manual_seed(0))
+    scale = torch.tensor([1.0, 10.0, 100.0])[:, None, None]
+    found = LOSSES["relative_sample"](1.2 * scale * true, scale * true)
+    assert float(found) == pytest.approx(0.2, rel=1e-5)

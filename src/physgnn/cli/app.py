@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from physgnn import stages
-from physgnn.cli import exchange
+from physgnn.cli import exchange, experiments
 from physgnn.cli.console import progress, say, working
 from physgnn.cli.view import view
 from physgnn.errors import InputError
@@ -27,6 +27,8 @@ Run = Annotated[Path, typer.Argument(help="Folder of a trained model.")]
 
 def main() -> None:
     """Run the command line; wrong input is one line on standard error and exit 2."""
+    if int(os.environ.get("LOCAL_RANK", 0)) > 0:  # the first process speaks for all
+        sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: PTH123, SIM115
     try:
         app()
     except InputError as error:
@@ -158,8 +160,17 @@ def train(
     max_minutes: Annotated[
         float | None, typer.Option(help="Stop after so many minutes.")
     ] = None,
+    memory_mb: Annotated[
+        float | None, typer.Option(help="What a step may take; more may be faster.")
+    ] = None,
     seed: Annotated[int | None, typer.Option(help="Of weights and order.")] = None,
     device: Annotated[str, typer.Option(help="cpu, cuda or auto.")] = "cpu",
+    devices: Annotated[
+        int, typer.Option(min=1, help="Processes that share every batch out.")
+    ] = 1,
+    num_nodes: Annotated[
+        int, typer.Option(min=1, help="Machines, each started by hand or a scheduler.")
+    ] = 1,
     resume: Annotated[
         bool, typer.Option("--resume", help="Continue an interrupted run.")
     ] = False,
@@ -176,12 +187,21 @@ def train(
             learning_rate=learning_rate,
             max_epochs=max_epochs,
             max_minutes=max_minutes,
+            memory_mb=memory_mb,
             seed=seed,
             options={} if configuration is None else {"configuration": configuration},
         )
     with progress("training") as move:
         checkpoint = stages.train(
-            store, split, settings, out, progress=move, device=device, resume=resume
+            store,
+            split,
+            settings,
+            out,
+            progress=move,
+            device=device,
+            devices=devices,
+            num_nodes=num_nodes,
+            resume=resume,
         )
     result = checkpoint.record["training"]
     print(
@@ -269,3 +289,5 @@ def demo(
 
 app.command("export")(exchange.export)
 app.command("import")(exchange.import_)
+app.command()(experiments.reproduce)
+app.command()(experiments.ablate)

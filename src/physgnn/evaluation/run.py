@@ -20,7 +20,9 @@ from physgnn.evaluation.facts import (
 from physgnn.evaluation.figures import draw_figures
 from physgnn.evaluation.report import write_report
 from physgnn.evaluation.result import Report
+from physgnn.evaluation.tables import accuracy_table
 from physgnn.learning.checkpoint import Checkpoint, check_mesh
+from physgnn.learning.model_card import write_model_card
 from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.predictor import Predictor
 from physgnn.progress import Progress
@@ -81,6 +83,7 @@ def evaluate_run(
         solver_seconds=solver_seconds,
     )
     write_evaluation(report, store, predictor, run / f"evaluation-{split.name}")
+    write_model_card(run, errors=accuracy_table(report).text())
     return report
 
 

@@ -20,6 +20,12 @@ class JumpingKnowledge(nn.Module):
         Columns of each layer's output.
     n_layers : int
         Number of layers.
+
+    Attributes
+    ----------
+    keep_states : bool
+        Keep what the LSTM's way back needs, or compute it twice: a tenth more time and
+        a quarter of the memory in training.
     """
 
     def __init__(self, width: int, n_layers: int) -> None:
@@ -27,12 +33,15 @@ class JumpingKnowledge(nn.Module):
         hidden = width * n_layers // 2
         self.lstm = nn.LSTM(width, hidden, bidirectional=True)
         self.score = nn.Linear(2 * hidden, 1)
+        self.keep_states = True
 
     def forward(self, layers: Sequence[Tensor]) -> Tensor:
         """Return the layers' weighted mean, each (…, width)."""
         rows = [layer.flatten(0, -2) for layer in layers]
         ahead, back = self._weights()
-        scores = lstm_scores(rows, ahead) + lstm_scores(rows[::-1], back).flip(1)
+        keep = self.keep_states
+        scores = lstm_scores(rows, ahead, keep=keep)
+        scores = scores + lstm_scores(rows[::-1], back, keep=keep).flip(1)
         attention = torch.softmax(scores + self.score.bias, dim=1)
         mean = rows[0] * attention[:, :1]
         for k in range(1, len(rows)):

@@ -1,6 +1,7 @@
-"""Samples of a store as batches, read as they're needed."""
+"""Samples of a store as batches, made once and read back in later epochs."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -10,37 +11,81 @@ from torch.utils.data import DataLoader, Dataset, Sampler
 
 from physgnn.dataset.store import Store
 from physgnn.learning.interface import Model
+from physgnn.learning.sample_cache import SampleCache
 
 IntArray = NDArray[np.int64]
 Batch = tuple[Tensor, Tensor]
 
 
+class Share(NamedTuple):
+    """Which of so many processes that train together this one is."""
+
+    rank: int = 0
+    of: int = 1
+
+
+ALONE = Share()
+
+
 class Samples(Dataset[Batch]):
     """A model's inputs and the true displacement of each sample.
 
-    Nothing is kept here: the store's bounded cache decides how much is in memory.
+    Parameters
+    ----------
+    store : Store
+        Read once a sample if there's a cache.
+    samples : (n, 2) array
+        Path and level.
+    model : Model
+        Encodes the load; already fitted.
+    cache : SampleCache, optional
+        Without, every sample is made whenever it's asked for.
     """
 
-    def __init__(self, store: Store, samples: IntArray, model: Model) -> None:
+    def __init__(
+        self,
+        store: Store,
+        samples: IntArray,
+        model: Model,
+        cache: SampleCache | None = None,
+    ) -> None:
         self.store = store
         self.samples = samples
         self.model = model
+        self.cache = cache
 
     def __len__(self) -> int:
         return len(self.samples)
 
     def __getitem__(self, index: int) -> Batch:
         path, level = (int(i) for i in self.samples[index])
+        columns = self.cache.get((path, level)) if self.cache else None
+        if columns is None:
+            columns = self._made(path, level)
+            if self.cache:
+                self.cache.put((path, level), columns)
+        return columns[:, :-3], columns[:, -3:]
+
+    def _made(self, path: int, level: int) -> Tensor:
         inputs = self.model.encode(self.store.load_case(path, level))
-        return inputs, torch.tensor(self.store.displacement(path)[level])
+        true = torch.tensor(self.store.displacement(path)[level])
+        return torch.cat([inputs, true], dim=1)
 
 
-class EpochOrder(Sampler[int]):
-    """A shuffle that follows from seed and epoch alone, so that a resume repeats it."""
+class EpochOrder(Sampler[list[int]]):
+    """Batches of a shuffle that follows from seed and epoch alone: a resume repeats it.
 
-    def __init__(self, n_samples: int, seed: int) -> None:
+    Processes that train together share every batch out; one that is too small for each
+    to get a sample is left out.
+    """
+
+    def __init__(
+        self, n_samples: int, batch_size: int, seed: int, share: Share = ALONE
+    ) -> None:
         self.n_samples = n_samples
+        self.batch_size = batch_size
         self.seed = seed
+        self.share = share
         self.epoch = 0
 
     def set_epoch(self, epoch: int) -> None:
@@ -48,19 +93,28 @@ class EpochOrder(Sampler[int]):
         self.epoch = epoch
 
     def __len__(self) -> int:
-        return self.n_samples
+        whole, rest = divmod(self.n_samples, self.batch_size)
+        return whole + (rest >= self.share.of)
 
-    def __iter__(self) -> Iterator[int]:
+    def __iter__(self) -> Iterator[list[int]]:
         generator = np.random.default_rng([self.seed, self.epoch])
-        return iter(generator.permutation(self.n_samples).tolist())
+        order = generator.permutation(self.n_samples).tolist()
+        for i in range(len(self)):
+            batch = order[i * self.batch_size : (i + 1) * self.batch_size]
+            yield batch[self.share.rank :: self.share.of]
 
 
-def training_batches(samples: Samples, batch_size: int, seed: int) -> DataLoader[Batch]:
+def training_batches(
+    samples: Samples, batch_size: int, seed: int, share: Share = ALONE
+) -> DataLoader[Batch]:
     """Return shuffled batches, another order every epoch."""
-    order = EpochOrder(len(samples), seed)
-    return DataLoader(samples, batch_size=batch_size, sampler=order)
+    order = EpochOrder(len(samples), batch_size, seed, share)
+    return DataLoader(samples, batch_sampler=order)
 
 
-def validation_batches(samples: Samples, batch_size: int) -> DataLoader[Batch]:
-    """Return batches in order."""
-    return DataLoader(samples, batch_size=batch_size)
+def validation_batches(
+    samples: Samples, batch_size: int, share: Share = ALONE
+) -> DataLoader[Batch]:
+    """Return this process's share of the samples in order."""
+    mine = range(len(samples))[share.rank :: share.of]
+    return DataLoader(samples, batch_size=batch_size, sampler=mine)

@@ -41,8 +41,11 @@ class Budget(Callback):
 
     def on_train_batch_end(self, trainer: Trainer, *_: Any) -> None:
         """Stop when the minutes are spent; the epoch still ends with a validation."""
-        if self.config.max_minutes and self.minutes >= self.config.max_minutes:
-            trainer.should_stop = True
+        if self.config.max_minutes:
+            spent = self.minutes >= self.config.max_minutes
+            # All processes stop together, or one would wait for ever.
+            if trainer.strategy.reduce_boolean_decision(spent, all=False):
+                trainer.should_stop = True
 
     def state_dict(self) -> dict[str, Any]:
         """Return the minutes spent."""

@@ -26,7 +26,8 @@ class KeepBest(Callback):
         loss = float(trainer.callback_metrics[VALIDATION_LOSS])
         if loss < self.loss:
             self.loss = loss
-            self.keep(loss)
+            if trainer.is_global_zero:
+                self.keep(loss)
 
     def state_dict(self) -> dict[str, Any]:
         """Return the lowest loss."""
@@ -46,6 +47,8 @@ class MetricsFile(Callback):
 
     def on_train_epoch_end(self, trainer: Trainer, _: LightningModule) -> None:
         """Append the epoch's row."""
+        if not trainer.is_global_zero:
+            return
         row = {
             "epoch": trainer.current_epoch,
             TRAINING_LOSS: float(trainer.callback_metrics[TRAINING_LOSS]),
@@ -72,6 +75,8 @@ class Report(Callback):
         self, trainer: Trainer, _: LightningModule, outputs: Any, *__: Any
     ) -> None:
         """Tell epoch, losses and learning rate."""
+        if not trainer.is_global_zero:
+            return
         loss = float(torch.as_tensor(outputs["loss"]))
         validation = trainer.callback_metrics.get(VALIDATION_LOSS)
         text = f"epoch {trainer.current_epoch} · loss {loss:.4g}"

@@ -107,6 +107,9 @@ class Model(nn.Module, ABC):
     def encode(self, load_case: LoadCase) -> Tensor:
         """Return the network's inputs for a load case, (n_points, n_inputs) float32."""
 
+    def spare_memory(self, spare: bool) -> None:
+        """Train with less memory, if more slowly; not if there's no way to."""
+
     @abstractmethod
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:
         """Return displacement in mm, (batch, n_points, 3), for encoded inputs."""

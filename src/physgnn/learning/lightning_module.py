@@ -1,6 +1,4 @@
-"""A model as Lightning trains it: the loss and the optimiser."""
-
-from typing import Any
+"""A model as Lightning trains it: the loss, the gradient in parts, the optimiser."""
 
 import torch
 from lightning.pytorch import LightningModule
@@ -8,6 +6,7 @@ from torch import Tensor
 
 from physgnn.errors import InputError
 from physgnn.learning.batches import Batch
+from physgnn.learning.dropout import seed_dropout
 from physgnn.learning.interface import Model
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.training_config import TrainingConfig
@@ -17,12 +16,24 @@ TRAINING_LOSS = "training_loss"
 
 
 class TrainingModule(LightningModule):
-    """Trains any :class:`Model` as a :class:`TrainingConfig` says."""
+    """Trains any :class:`Model` as a :class:`TrainingConfig` says.
 
-    def __init__(self, model: Model, config: TrainingConfig) -> None:
+    Parameters
+    ----------
+    model : Model
+        What to train.
+    config : TrainingConfig
+        How.
+    at_once : int
+        Samples to compute at once; gradients are those of the whole batch, to rounding.
+    """
+
+    def __init__(self, model: Model, config: TrainingConfig, at_once: int) -> None:
         super().__init__()
+        self.automatic_optimization = False  # Lightning can't add up unequal parts
         self.model = model
         self.config = config
+        self.at_once = at_once
         self.loss = LOSSES[config.loss]
         self.graph = model.body.graph
 
@@ -30,22 +41,24 @@ class TrainingModule(LightningModule):
         """Move the graph to where the weights are."""
         self.graph = self.model.body.graph.to(self.device)
 
-    def on_train_batch_start(self, *_: Any) -> None:
-        """Let dropout follow from seed and step alone, so that a resume repeats it."""
-        torch.manual_seed(self.config.seed + 1_000_003 * (1 + self.global_step))
-
     def training_step(self, batch: Batch, _: int) -> Tensor:
-        """Return the batch's loss; InputError if it isn't finite."""
-        loss = self._loss(batch)
-        if not torch.isfinite(loss):
-            raise InputError(
-                f"the training loss became {loss.item()} in epoch "
-                f"{self.current_epoch}; lower learning_rate "
-                f"({self.config.learning_rate:g}). The best weights of the epochs "
-                "before it, if any, are kept in the run folder"
-            )
-        self._log(TRAINING_LOSS, loss, batch)
-        return loss
+        """Step; return the batch's loss; InputError if it isn't finite."""
+        optimiser = self.optimizers()
+        assert not isinstance(optimiser, list)
+        optimiser.zero_grad()
+        seeds, weight = self._seeds(len(batch[0])), self._weight(len(batch[0]))
+        total = torch.zeros((), device=self.device)
+        for first in range(0, len(batch[0]), self.at_once):
+            part = slice(first, first + self.at_once)
+            seed_dropout(self.model, seeds[part])
+            loss = self._loss(batch, part)
+            share = len(seeds[part]) / len(seeds)
+            self._check(loss)
+            self.manual_backward(loss * share * weight)
+            total += share * loss.detach()
+        optimiser.step()
+        self._log(TRAINING_LOSS, total, batch)
+        return total
 
     def validation_step(self, batch: Batch, _: int) -> None:
         """Record the batch's loss."""
@@ -59,10 +72,33 @@ class TrainingModule(LightningModule):
             weight_decay=self.config.weight_decay,
         )
 
-    def _loss(self, batch: Batch) -> Tensor:
+    def _seeds(self, n_samples: int) -> list[int]:
+        """Return a seed for every sample: from run, step and place in the batch."""
+        step = self.config.seed + 1_000_003 * (1 + self.global_step)
+        rank, processes = self.trainer.global_rank, self.trainer.world_size
+        return [1009 * step + rank + processes * k for k in range(n_samples)]
+
+    def _weight(self, n_samples: int) -> float:
+        """Return this process's part of the batch over its part of the mean of all."""
+        mine = torch.tensor(float(n_samples), device=self.device)
+        mean = self.trainer.strategy.reduce(mine.clone(), reduce_op="mean")
+        return float(mine / mean)
+
+    def _check(self, loss: Tensor) -> None:
+        if not torch.isfinite(loss):
+            raise InputError(
+                f"the training loss became {loss.item()} in epoch "
+                f"{self.current_epoch}; lower learning_rate "
+                f"({self.config.learning_rate:g}). The best weights of the epochs "
+                "before it, if any, are kept in the run folder"
+            )
+
+    def _loss(self, batch: Batch, part: slice = slice(None)) -> Tensor:
         inputs, true = batch
-        return self.loss(self.model(inputs, self.graph), true)
+        return self.loss(self.model(inputs[part], self.graph), true[part])
 
     def _log(self, name: str, loss: Tensor, batch: Batch) -> None:
         size = len(batch[0])
-        self.log(name, loss, on_step=False, on_epoch=True, batch_size=size)
+        self.log(
+            name, loss, on_step=False, on_epoch=True, batch_size=size, sync_dist=True
+        )

@@ -27,6 +27,15 @@ def root_mean_square_sample(predicted: Tensor, true: Tensor) -> Tensor:
     return (predicted - true).square().sum(dim=-1).mean(dim=-1).sqrt().mean()
 
 
+def relative_sample(predicted: Tensor, true: Tensor) -> Tensor:
+    """Return the mean over samples of the error's size over the displacement's.
+
+    Small loads then count as much as large ones.
+    """
+    error, size = (x.square().sum(dim=(-1, -2)) for x in (predicted - true, true))
+    return (error / size.clamp_min(torch.finfo(size.dtype).tiny)).sqrt().mean()
+
+
 Loss = Callable[[Tensor, Tensor], Tensor]
 
 LOSSES: Mapping[str, Loss] = {
@@ -34,5 +43,6 @@ LOSSES: Mapping[str, Loss] = {
     "mean_square": mean_square,
     "mean_absolute": mean_absolute,
     "root_mean_square_sample": root_mean_square_sample,
+    "relative_sample": relative_sample,
 }
 """Each takes predicted and true displacement, (batch, n_points, 3), mm."""

@@ -44,7 +44,9 @@ class States(NamedTuple):
     cells: list[Tensor]
 
 
-def lstm_scores(sequence: Sequence[Tensor], weights: Weights) -> Tensor:
+def lstm_scores(
+    sequence: Sequence[Tensor], weights: Weights, *, keep: bool = True
+) -> Tensor:
     """Read a sequence from rest and score the hidden state after every step.
 
     Parameters
@@ -53,13 +55,15 @@ def lstm_scores(sequence: Sequence[Tensor], weights: Weights) -> Tensor:
         What n sequences have at each step.
     weights : Weights
         The LSTM.
+    keep : bool
+        Keep gates and cells for the backward pass, or compute them again then.
 
     Returns
     -------
     (n, steps) tensor
     """
-    keep = torch.is_grad_enabled()
-    scores: Tensor = _Scores.apply(keep, *weights, *sequence)  # type: ignore[no-untyped-call]
+    kept = keep and torch.is_grad_enabled()
+    scores: Tensor = _Scores.apply(kept, *weights, *sequence)  # type: ignore[no-untyped-call]
     return scores
 
 
@@ -67,26 +71,32 @@ class _Scores(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, keep: bool, *tensors: Tensor) -> Tensor:
         weights, sequence = Weights(*tensors[:4]), tensors[4:]
-        scores, ctx.states = [], []
+        scores, kept = [], []
         for block in _blocks(sequence):
             states, of_block = _read(block, weights)
             scores.append(of_block)
             if keep:
-                ctx.states.append(states)
-        ctx.save_for_backward(*tensors)
+                kept += [*states.gates, *states.cells]
+        ctx.keep, ctx.n_inputs = keep, len(tensors)
+        ctx.save_for_backward(*tensors, *kept)
         return torch.cat(scores)
 
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, grad: Tensor) -> tuple[Tensor | None, ...]:
-        weights, sequence = Weights(*ctx.saved_tensors[:4]), ctx.saved_tensors[4:]
+        saved, n_inputs = ctx.saved_tensors, ctx.n_inputs
+        weights, sequence = Weights(*saved[:4]), saved[4:n_inputs]
         of_weights = Weights(*map(torch.zeros_like, weights))
-        of_inputs = [
-            _read_back(block, of_block, states, weights, of_weights)
-            for states, (of_block, *block) in zip(
-                ctx.states, _blocks([grad, *sequence]), strict=True
+        of_inputs = []
+        for i, (of_block, *block) in enumerate(_blocks([grad, *sequence])):
+            n = len(block)
+            kept = saved[n_inputs + 2 * n * i :][: 2 * n]
+            states = (
+                States(list(kept[:n]), list(kept[n:]))
+                if ctx.keep
+                else _read(block, weights)[0]
             )
-        ]
+            of_inputs.append(_read_back(block, of_block, states, weights, of_weights))
         of_sequence = (torch.cat(parts) for parts in zip(*of_inputs, strict=True))
         return None, *of_weights, *of_sequence
 

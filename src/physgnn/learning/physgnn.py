@@ -7,6 +7,7 @@ from torch import Tensor, nn
 from physgnn.errors import InputError
 from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.convolution import Convolution
+from physgnn.learning.dropout import SampleDropout
 from physgnn.learning.graph import Graph
 from physgnn.learning.pruning import Fill, Pruning, first_rows
 
@@ -74,7 +75,7 @@ class PhysGNN(nn.Module):
         )
         narrow = width * 9 // 16
         self.head = nn.Sequential(
-            nn.Linear(width, narrow), nn.PReLU(narrow), nn.Dropout(0.1),
+            nn.Linear(width, narrow), nn.PReLU(narrow), SampleDropout(0.1),
             nn.Linear(narrow, 3),
         )  # fmt: skip
         self._pruning = Pruning(N_LAYERS)

@@ -6,6 +6,7 @@ from torch import Tensor
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.features import load_features, physical_property
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.interface import Body, Model
@@ -62,6 +63,12 @@ class PhysGNNModel(Model):
         columns = load_features(load_case, self.body.mesh.n_points)
         scaled = self.normalizer.standardise(columns)
         return as_float32(np.column_stack([self.property, scaled]))
+
+    def spare_memory(self, spare: bool) -> None:
+        """Compute what the LSTMs would keep for the backward pass twice, or keep it."""
+        for module in self.network.modules():
+            if isinstance(module, JumpingKnowledge):
+                module.keep_states = not spare
 
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:
         """Return displacement in mm, (batch, n_points, 3)."""

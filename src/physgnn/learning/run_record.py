@@ -18,7 +18,7 @@ from physgnn.learning.models import resolved_options
 from physgnn.learning.training_config import TrainingConfig
 
 VERSIONED = ("physgnn", "torch", "lightning", "numpy")
-EXTENDABLE = {"max_epochs", "max_minutes"}
+EXTENDABLE = {"max_epochs", "max_minutes", "memory_mb"}
 
 
 def new_record(store: Store, split: Split, config: TrainingConfig) -> dict[str, Any]:
@@ -49,7 +49,7 @@ def with_result(
 def check_same_run(run: Path, record: Mapping[str, Any]) -> None:
     """Raise InputError unless a run can be resumed with this record's data and config.
 
-    Only the budget may differ.
+    Only budget and memory may differ.
     """
     try:
         earlier = json.loads((run / RECORD).read_text())

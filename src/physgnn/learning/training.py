@@ -5,29 +5,36 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import torch
+import torch.distributed as dist
 from lightning.pytorch import Callback, Trainer
 from lightning.pytorch.callbacks import EarlyStopping, ModelCheckpoint
 from lightning.pytorch.loggers import TensorBoardLogger
-from torch.utils.data import DataLoader
+from torch import Tensor
+from torch.utils.data import default_collate
 
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.batches import (
-    Batch,
     Samples,
+    Share,
     training_batches,
     validation_batches,
 )
 from physgnn.learning.budget import Budget
 from physgnn.learning.callbacks import KeepBest, MetricsFile, Report
 from physgnn.learning.checkpoint import RECORD, Checkpoint
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Body
 from physgnn.learning.lightning_module import VALIDATION_LOSS, TrainingModule
+from physgnn.learning.losses import LOSSES
+from physgnn.learning.memory import samples_at_once
+from physgnn.learning.model_card import write_model_card
 from physgnn.learning.models import build_model
 from physgnn.learning.run_record import check_same_run, new_record, with_result
+from physgnn.learning.sample_cache import SampleCache
 from physgnn.learning.schedules import SCHEDULES
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.progress import Progress
@@ -44,6 +51,8 @@ def train(
     *,
     progress: Progress | None = None,
     device: str = "cpu",
+    devices: int = 1,
+    num_nodes: int = 1,
     resume: bool = False,
 ) -> Checkpoint:
     """Train a model; the weights with the lowest validation loss are kept.
@@ -62,6 +71,10 @@ def train(
         Told the part of the budget spent, in thousandths.
     device : str
         Where to compute, as Lightning names it: ``"cpu"``, ``"cuda"``, ``"auto"``.
+    devices, num_nodes : int
+        Processes on this machine, and machines. They share every batch out; losses and
+        weights are those of one process, to rounding. Each process runs the caller's
+        program from its start; only the first writes into the run folder.
     resume : bool
         Continue from the last finished epoch; to rounding, the result is that of a
         run never interrupted.
@@ -75,7 +88,7 @@ def train(
     ------
     InputError
         If the folder holds a run already (or, to resume, none, or another), or the
-        loss becomes NaN.
+        loss becomes NaN, or a sample needs more memory than allowed.
     """
     run = Path(run)
     record = new_record(store, split, config)
@@ -83,7 +96,8 @@ def train(
         check_same_run(run, record)
     elif (run / RECORD).exists() or (run / LAST).exists():
         raise InputError(f"{run} holds a run already: resume it, or name another")
-    with _quiet(), torch.random.fork_rng(devices=[]):
+    run.mkdir(parents=True, exist_ok=True)
+    with _quiet(), torch.random.fork_rng(devices=[]), SampleCache(run) as cache:
         torch.manual_seed(config.seed)
         model = build_model(config.model, Body.of(store), **config.options)
         model.fit(store, split.train)
@@ -95,27 +109,48 @@ def train(
         )
         schedule = SCHEDULES[config.schedule](config, budget)
         watchers = _watchers(run, budget, progress)
-        _trainer(run, config, [budget, best, schedule, *watchers], device).fit(
-            TrainingModule(model, config),
-            *_batches(store, split, model, config),
+        trainer = _trainer(
+            run,
+            config,
+            [budget, best, schedule, *watchers],
+            accelerator=device,
+            devices=devices,
+            num_nodes=num_nodes,
+        )
+        share = Share(trainer.global_rank, trainer.world_size)
+        samples = Samples(store, split.train, model, cache)
+        held_out = Samples(store, split.validation, model, cache)
+        at_once = _at_once(samples, config)
+        trainer.fit(
+            TrainingModule(model, config, at_once),
+            training_batches(samples, config.batch_size, config.seed, share),
+            validation_batches(held_out, at_once, share),
             ckpt_path=run / LAST if resume else None,
             weights_only=True,
         )
     result = with_result(record, loss=best.loss, minutes=budget.minutes)
-    checkpoint = Checkpoint(Checkpoint.load(run).model, result)
-    checkpoint.save(run)
-    return checkpoint
+    if trainer.is_global_zero:
+        Checkpoint(Checkpoint.load(run).model, result).save(run)
+        write_model_card(run)
+    trainer.strategy.barrier()
+    return Checkpoint.load(run)
 
 
-def _batches(
-    store: Store, split: Split, model: Model, config: TrainingConfig
-) -> tuple[DataLoader[Batch], DataLoader[Batch]]:
-    train = Samples(store, split.train, model)
-    validation = Samples(store, split.validation, model)
-    return (
-        training_batches(train, config.batch_size, config.seed),
-        validation_batches(validation, config.batch_size),
-    )
+def is_first_process() -> bool:
+    """Return whether this is the one process, or the first of those that train."""
+    return not (dist.is_available() and dist.is_initialized()) or dist.get_rank() == 0
+
+
+def _at_once(samples: Samples, config: TrainingConfig) -> int:
+    """Return how many samples to compute at once; the first samples serve as a try."""
+    model, loss = samples.model, LOSSES[config.loss]
+
+    def forward(n_samples: int) -> Tensor:
+        inputs, true = default_collate([samples[i] for i in range(n_samples)])
+        return loss(model(inputs, model.body.graph), true)
+
+    n = min(config.batch_size, len(samples))
+    return samples_at_once(model, forward, batch_size=n, limit_mb=config.memory_mb)
 
 
 def _watchers(run: Path, budget: Budget, progress: Progress | None) -> list[Callback]:
@@ -124,15 +159,17 @@ def _watchers(run: Path, budget: Budget, progress: Progress | None) -> list[Call
 
 
 def _trainer(
-    run: Path, config: TrainingConfig, callbacks: list[Callback], device: str
+    run: Path, config: TrainingConfig, callbacks: list[Callback], **machine: Any
 ) -> Trainer:
     last = ModelCheckpoint(
         dirpath=run, save_top_k=0, save_last=True, enable_version_counter=False
     )
     patience = EarlyStopping(VALIDATION_LOSS, patience=config.early_stopping)
+    together = machine["devices"] * machine["num_nodes"] > 1
     return Trainer(
-        accelerator=device,
-        devices=1,
+        **machine,
+        strategy="ddp" if together else "auto",
+        use_distributed_sampler=False,
         max_epochs=config.max_epochs,
         callbacks=[*callbacks, patience, last],
         logger=TensorBoardLogger(run, name="tensorboard", version=""),

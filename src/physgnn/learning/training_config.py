@@ -41,6 +41,9 @@ class TrainingConfig:
         Stop after so many epochs.
     max_minutes : float or None
         Stop after so many minutes, those before a resume included.
+    memory_mb : float
+        What a step may take. A batch that doesn't fit is computed in parts, and what
+        can be is computed twice: the result is the same, at up to 1.5 times the cost.
     seed : int
         Of the weights, the order of samples, and dropout.
 
@@ -63,6 +66,7 @@ class TrainingConfig:
     early_stopping: int = 15
     max_epochs: int = 1000
     max_minutes: float | None = None
+    memory_mb: float = 768.0
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -74,7 +78,9 @@ class TrainingConfig:
                     f"{name} must be one of {', '.join(choices)} "
                     f"(got {getattr(self, name)})"
                 )
-        for name in ("batch_size", "learning_rate", "early_stopping", "max_epochs"):
+        for name in (
+            "batch_size", "learning_rate", "early_stopping", "max_epochs", "memory_mb"
+        ):  # fmt: skip
             if not getattr(self, name) > 0:
                 raise InputError(f"{name} must be > 0 (got {getattr(self, name)})")
         for name in ("weight_decay", "plateau_patience", "minimum_learning_rate"):
