@@ -41,6 +41,12 @@ class PathFollower:
         """The load factor of the last equilibrium found."""
         return self._departures.newest[0]
 
+    @property
+    def state(self) -> FloatArray:
+        """The last equilibrium found, (n_unknowns,)."""
+        load_factor, departure = self._departures.newest
+        return self._trend(load_factor) + departure
+
     def advance(
         self,
         target: float,
@@ -77,10 +83,7 @@ class PathFollower:
             if step < self._min_step:
                 return found
             # The failed try may have left the factor at a useless state.
-            departure = self._departures.newest[1]
-            if not self._iteration.refactorize(
-                self._trend(reached) + departure, reached
-            ):
+            if not self._iteration.refactorize(self.state, reached):
                 return Equilibrium(found.state, Status.LIMIT_POINT, np.inf)
 
     def _guess(self, load_factor: float) -> FloatArray:

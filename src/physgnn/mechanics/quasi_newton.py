@@ -8,7 +8,6 @@ renewed when that no longer pays.
 """
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,24 +15,13 @@ from numpy.typing import NDArray
 from physgnn.mechanics.assembly import Pattern, assemble_tangent
 from physgnn.mechanics.element import Elements, internal_force
 from physgnn.mechanics.linear_solver import LinearSolver
+from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.solution import Status
 
 FloatArray = NDArray[np.float64]
 
 MAX_PAIRS = 12
 MAX_HALVINGS = 12
-
-
-class Loads(Protocol):
-    """External force and prescribed places as functions of state and load factor."""
-
-    held: NDArray[np.int64]
-
-    def force(self, u: FloatArray, load_factor: float) -> FloatArray:
-        """External force on every point, (n_points, 3), N."""
-
-    def place(self, u: FloatArray, load_factor: float) -> None:
-        """Put the held points where they belong."""
 
 
 @dataclass
@@ -57,7 +45,8 @@ class QuasiNewton:
     ----------
     elements, pattern, solver
         The discretised body and its linear solver.
-    loading : Loads
+    loading : Loading
+        The loads.
     tolerance_mm : float
         Bound on the estimated displacement error of the worst point.
     max_iterations : int
@@ -67,7 +56,7 @@ class QuasiNewton:
     elements: Elements
     pattern: Pattern
     solver: LinearSolver
-    loading: Loads
+    loading: Loading
     tolerance_mm: float
     max_iterations: int
     counts: dict[str, int] = field(
@@ -98,9 +87,9 @@ class QuasiNewton:
         u = self.displacement(state, load_factor)
         load = self.loading.force(u, load_factor)[self.pattern.free].ravel()
         if len(self.loading.held) == 0:
-            return _norm(load)
+            return norm(load)
         force, _ = internal_force(self.elements, u)
-        return _norm(np.concatenate([load, force[self.loading.held].ravel()]))
+        return norm(np.concatenate([load, force[self.loading.held].ravel()]))
 
     def refactorize(self, state: FloatArray, load_factor: float) -> bool:
         """Factorise K(u) and forget the pairs; False if K is not positive definite."""
@@ -118,13 +107,13 @@ class QuasiNewton:
         q = residual.copy()
         weights = []
         for s, y in reversed(self._pairs):
-            weight = _dot(s, q) / _dot(s, y)
+            weight = dot(s, q) / dot(s, y)
             q -= weight * y
             weights.append(weight)
         self.counts["back_solves"] += 1
         d = self.solver.solve(q)
         for (s, y), weight in zip(self._pairs, reversed(weights), strict=True):
-            d += s * (weight - _dot(y, d) / _dot(s, y))
+            d += s * (weight - dot(y, d) / dot(s, y))
         return d
 
     def solve(
@@ -154,21 +143,21 @@ class QuasiNewton:
             moved, r_new, scale, inverted = self._step(state, d, load_factor)
             if scale == 0.0:
                 if fresh or not self.refactorize(state, load_factor):
-                    return Equilibrium(state, Status.INVERTED, _norm(r), inverted)
+                    return Equilibrium(state, Status.INVERTED, norm(r), inverted)
                 previous, since_factor, fresh = np.inf, 0, True
                 continue
-            self._remember(scale * d, r - r_new)
+            self.remember(scale * d, r - r_new)
             state, r = moved, r_new
             size = scale * largest_norm(d)
-            if scale == 1.0 and self._error_left(size, previous) < tolerance_mm:
-                return Equilibrium(state, Status.CONVERGED, _norm(r))
+            if scale == 1.0 and self.error_left(size, previous) < tolerance_mm:
+                return Equilibrium(state, Status.CONVERGED, norm(r))
             since_factor += 1
             if self._worn_out(size, previous, since_factor):
                 if not self.refactorize(state, load_factor):
-                    return Equilibrium(state, Status.LIMIT_POINT, _norm(r))
+                    return Equilibrium(state, Status.LIMIT_POINT, norm(r))
                 size, since_factor = np.inf, 0
             previous, fresh = size, since_factor == 0
-        return Equilibrium(state, Status.ITERATION_LIMIT, _norm(r))
+        return Equilibrium(state, Status.ITERATION_LIMIT, norm(r))
 
     def _step(
         self, state: FloatArray, d: FloatArray, load_factor: float
@@ -184,13 +173,14 @@ class QuasiNewton:
             scale /= 2
         return state, d, 0.0, inverted
 
-    def _remember(self, s: FloatArray, y: FloatArray) -> None:
+    def remember(self, s: FloatArray, y: FloatArray) -> None:
+        """Keep a step and what it took off the residual, for directions to come."""
         # Only pairs of positive curvature keep the inverse positive definite.
-        if _dot(s, y) > 1e-12 * np.sqrt(_dot(s, s) * _dot(y, y)):
+        if dot(s, y) > 1e-12 * np.sqrt(dot(s, s) * dot(y, y)):
             self._pairs.append((s, y))
             del self._pairs[:-MAX_PAIRS]
 
-    def _error_left(self, size: float, previous: float) -> float:
+    def error_left(self, size: float, previous: float) -> float:
         """Estimate the error left from how the steps contract, mm; on the safe side."""
         contraction = min(size / previous, 0.9)
         # One lucky step proves little: the slower of this and the last contraction
@@ -209,10 +199,12 @@ def largest_norm(d: FloatArray) -> float:
     return float(np.sqrt((d.reshape(-1, 3) ** 2).sum(axis=1).max()))
 
 
-def _norm(r: FloatArray) -> float:
-    return float(np.sqrt(_dot(r, r)))
+def norm(r: FloatArray) -> float:
+    """Euclidean norm, the same for any number of threads."""
+    return float(np.sqrt(dot(r, r)))
 
 
-def _dot(a: FloatArray, b: FloatArray) -> float:
+def dot(a: FloatArray, b: FloatArray) -> float:
+    """Scalar product, the same for any number of threads."""
     # Not a @ b: BLAS would start threads for it, and its sums depend on their number.
     return float(np.einsum("i,i->", a, b))

@@ -1,0 +1,169 @@
+"""From a guess to the equilibrium under one load, without the history of the load.
+
+The answers of bodies like these do not depend on how the load grew, so equilibrium is
+looked for where it is expected: down in energy from the guess, then from the nearest
+equilibrium already known (the rest state is always one), and only if both fail along a
+load path from rest.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.assembly import make_pattern
+from physgnn.mechanics.descent import descend
+from physgnn.mechanics.element import make_elements
+from physgnn.mechanics.linear_solver import make_linear_solver
+from physgnn.mechanics.loading import Loading
+from physgnn.mechanics.loads import LoadCase, LoadPath
+from physgnn.mechanics.materials.table import Material
+from physgnn.mechanics.path_following import PathFollower
+from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton
+from physgnn.mechanics.rest_state import fixed_points
+from physgnn.mechanics.solution import Status
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+MAX_ITERATIONS = 20  # a step of the walk from rest; what needs more is better halved
+FIRST_STEP, MIN_STEP = 0.125, 1e-3
+LOOSE = 20.0  # tolerance on the way, in tolerances
+MAX_HALVINGS = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Approached:
+    """Where an approach ended.
+
+    Attributes
+    ----------
+    displacement : (n_points, 3) array
+        mm; if the load was not reached, the last equilibrium on the path towards it.
+    status : Status
+        CONVERGED: the estimated error of the worst point is below the tolerance.
+    origin : str
+        What it was reached from: "guess", "known", "rest" or "path".
+    counts : dict of str to int
+        Factorisations, back-solves and residuals spent.
+    """
+
+    displacement: FloatArray
+    status: Status
+    origin: str
+    counts: dict[str, int]
+
+
+class Approach:
+    """Finds equilibria on one body, near guesses where there are any.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    materials : mapping of region label to Material
+    fixed : str or integer array
+    known : (n_known, n_points, 3) array, optional
+        Stable equilibria under loads like those to come, mm.
+    threads : int
+        Threads of the linear solver.
+    """
+
+    def __init__(
+        self,
+        mesh: TetMesh,
+        materials: Mapping[int, Material],
+        fixed: str | IntArray = "fixed",
+        *,
+        known: FloatArray | None = None,
+        threads: int = 1,
+    ) -> None:
+        self._mesh, self._fixed = mesh, fixed_points(mesh, fixed)
+        self._elements = make_elements(mesh, materials)
+        self._pattern = make_pattern(mesh.cells, mesh.n_points, self._fixed)
+        self._linear = make_linear_solver(
+            self._pattern, precision="single", threads=threads
+        )
+        rest = np.zeros((1, mesh.n_points, 3))
+        self._known = rest if known is None else np.concatenate([rest, known])
+
+    def solve(
+        self, case: LoadCase, guess: FloatArray | None = None, *, tolerance_mm: float
+    ) -> Approached:
+        """Return the equilibrium under a load case.
+
+        Parameters
+        ----------
+        case : LoadCase
+        guess : (n_points, 3) array, optional
+            mm; cells may be inverted in it.
+        tolerance_mm : float
+            Bound on the estimated error of the worst point.
+
+        Raises
+        ------
+        InputError
+            If a loaded node is missing from the mesh or fixed.
+        """
+        path = LoadPath(case.nodes, case.forces, np.ones(1))
+        iteration = QuasiNewton(
+            self._elements,
+            self._pattern,
+            self._linear,
+            Loading(self._mesh, path, self._fixed),
+            tolerance_mm,
+            MAX_ITERATIONS,
+        )
+        tries = self._tries(iteration, guess)
+        origin, found = next(tries)
+        while found.status != Status.CONVERGED and origin != "path":
+            origin, found = next(tries)
+        return Approached(
+            iteration.displacement(found.state, 1.0),
+            found.status,
+            origin,
+            iteration.counts,
+        )
+
+    def _tries(
+        self, iteration: QuasiNewton, guess: FloatArray | None
+    ) -> Iterator[tuple[str, Equilibrium]]:
+        rest = np.zeros(self._pattern.n_unknowns)
+        if guess is not None and np.isfinite(guess).all():
+            distance = np.square(self._known - guess).sum(axis=(1, 2))
+            nearest = int(distance.argmin())
+            known = self._known[nearest][self._pattern.free].ravel()
+            end = guess[self._pattern.free].ravel()
+            start = _without_inverted_cells(iteration, known, end)
+            yield "guess", descend(iteration, start, fallback=known)
+            if nearest > 0:
+                yield "known", descend(iteration, known, fallback=known)
+        yield "rest", descend(iteration, rest, fallback=rest)
+        yield "path", _walk(iteration, rest)
+
+
+def _without_inverted_cells(
+    iteration: QuasiNewton, known: FloatArray, guess: FloatArray
+) -> FloatArray:
+    """Draw a guess back towards a known state until no cell is inverted."""
+    share = 1.0
+    for _ in range(MAX_HALVINGS):
+        start = known + share * (guess - known)
+        if iteration.residual(start, 1.0)[1] < 0:
+            return start
+        share /= 2
+    return known
+
+
+def _walk(iteration: QuasiNewton, rest: FloatArray) -> Equilibrium:
+    """Let the load grow from nothing; return the last equilibrium if it gets stuck."""
+    if not iteration.refactorize(rest, 0.0):
+        return Equilibrium(rest, Status.LIMIT_POINT, np.inf)
+    linear = iteration.direction(iteration.residual(rest, 1.0)[0])
+    walk = PathFollower(iteration, lambda s: s * linear, min_step=MIN_STEP)
+    loose_mm = LOOSE * iteration.tolerance_mm
+    found = walk.advance(1.0, step=FIRST_STEP, loose_mm=loose_mm)
+    if found.status != Status.CONVERGED:
+        found.state = walk.state
+    return found

@@ -1,0 +1,103 @@
+"""Whatever it starts from, an approach ends in the equilibrium of the load path."""
+
+import numpy as np
+import pytest
+
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics import LoadCase, LoadPath, NeoHookean, Status, solve
+from physgnn.mechanics.approach import Approach
+from physgnn.mechanics.newton import Newton
+
+MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
+TOLERANCE_MM = 1e-3
+
+
+def load(mesh: TetMesh, total_n: float) -> LoadCase:
+    """The top of the block pulled up and sideways, unevenly."""
+    nodes = mesh.point_set("loaded")
+    forces = np.tile([0.3, 0.1, 1.0], (len(nodes), 1)) * total_n / len(nodes)
+    return LoadCase(nodes, forces * np.linspace(0.5, 1.5, len(nodes))[:, None])
+
+
+@pytest.fixture(scope="module")
+def solved(block):
+    case = load(block, 0.2)
+    path = LoadPath(case.nodes, case.forces, np.arange(1, 11) / 10)
+    solution = solve(block, path, materials=MATERIALS)
+    assert solution.converged
+    assert np.abs(solution.displacement[-1]).max() > 2.0, "of a 10 mm block"
+    return case, solution.displacement
+
+
+@pytest.fixture(scope="module")
+def approach(block) -> Approach:
+    return Approach(block, MATERIALS)
+
+
+def guesses(states: np.ndarray) -> dict[str, np.ndarray | None]:
+    truth, rng = states[-1], np.random.default_rng(0)
+    moved = np.abs(truth).max(axis=1, keepdims=True) > 0
+    return {
+        "truth": truth,
+        "frame before": states[-2],
+        "zero": np.zeros_like(truth),
+        "far too much": 2.0 * truth,
+        "inverted cells": truth + moved * rng.normal(size=truth.shape),
+        "opposite": -truth,
+        "not a number": np.full_like(truth, np.nan),
+        "none": None,
+    }
+
+
+@pytest.mark.parametrize("name", guesses(np.zeros((2, 1, 3))))
+def test_the_guess_does_not_show_in_the_answer(approach, solved, name):
+    case, states = solved
+    found = approach.solve(case, guesses(states)[name], tolerance_mm=TOLERANCE_MM)
+    assert found.status == Status.CONVERGED
+    error = np.linalg.norm(found.displacement - states[-1], axis=1).max()
+    assert error < TOLERANCE_MM
+
+
+def test_what_converges_is_within_the_tolerance_of_full_newton(block, approach, solved):
+    case, states = solved
+    newton = Newton(block, MATERIALS)
+    for tolerance_mm in (1e-1, 1e-2, 1e-4):
+        found = approach.solve(case, states[4], tolerance_mm=tolerance_mm)
+        exact = newton.solve(case, found.displacement)
+        assert exact is not None
+        error = np.linalg.norm(found.displacement - exact, axis=1).max()
+        assert error < tolerance_mm
+
+
+def test_known_states_do_not_change_the_answer(block, solved):
+    case, states = solved
+    approach = Approach(block, MATERIALS, known=states[2:5])
+    wild = states[4] + np.random.default_rng(1).normal(size=states[4].shape)
+    found = approach.solve(case, wild, tolerance_mm=TOLERANCE_MM)
+    assert found.status == Status.CONVERGED
+    np.testing.assert_allclose(found.displacement, states[-1], atol=TOLERANCE_MM)
+
+
+def test_a_good_guess_costs_one_factorisation(approach, solved):
+    case, states = solved
+    found = approach.solve(case, states[-1] * 1.001, tolerance_mm=TOLERANCE_MM)
+    assert found.origin == "guess"
+    assert found.counts["factorisations"] == 1
+
+
+def test_a_load_without_equilibrium_is_no_good_answer(block, approach, solved):
+    case, states = solved
+    crushing = LoadCase(case.nodes, -1e4 * case.forces)
+    found = approach.solve(crushing, states[-1], tolerance_mm=TOLERANCE_MM)
+    assert found.status != Status.CONVERGED
+    assert np.isfinite(found.displacement).all()
+    assert not found.displacement[block.point_set("fixed")].any()
+
+
+def test_the_same_every_time(approach, solved):
+    case, states = solved
+    first, second = (
+        approach.solve(case, states[3], tolerance_mm=TOLERANCE_MM).displacement
+        for _ in range(2)
+    )
+    np.testing.assert_array_equal(first, second)
