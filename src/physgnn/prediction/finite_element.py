@@ -2,19 +2,18 @@
 
 import time
 
-import numpy as np
-
 from physgnn.learning.interface import Body
-from physgnn.mechanics.loads import LoadCase, LoadPath
+from physgnn.mechanics.approach import Approach
+from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.solution import Status
-from physgnn.mechanics.solver import DEFAULT_OPTIONS, Solver
 from physgnn.prediction.prediction import ErrorEstimate, Prediction, PredictionStatus
 
-N_LEVELS = 5  # a start for the solver's path following, which refines it where needed
+TOLERANCE_MM = 1e-3  # of a solve nobody gives a tolerance for
+SAFETY = 10.0  # the solver's own estimate must be so much below a given one
 
 
 class FiniteElementPredictor:
-    """Solves every load case along a short load path.
+    """Solves every load case from rest.
 
     Parameters
     ----------
@@ -23,33 +22,23 @@ class FiniteElementPredictor:
     """
 
     def __init__(self, body: Body) -> None:
-        self._n_points = body.mesh.n_points
-        self._solver = Solver(body.mesh, body.materials, body.fixed)
+        self._approach = Approach(body.mesh, body.materials, body.fixed)
 
     def __call__(
         self, load_case: LoadCase, *, tolerance_mm: float | None = None
     ) -> Prediction:
-        """Return the finite-element solution, whatever the tolerance.
+        """Return the finite-element solution.
 
-        Its error estimate is the solver's own tolerance. Where the solve stops short,
-        the status is TOLERANCE_NOT_MET and the displacement that of the last level in
-        equilibrium.
+        Its error estimate is the solver's own tolerance. Where the load is not reached,
+        the status is TOLERANCE_NOT_MET and the displacement that of the last
+        equilibrium on the way to it.
         """
-        del tolerance_mm
         start = time.perf_counter()
-        factors = np.arange(1, N_LEVELS + 1) / N_LEVELS
-        path = LoadPath(load_case.nodes, load_case.forces, factors)
-        solution = self._solver.solve(path)
-        solved = np.flatnonzero(solution.status == Status.CONVERGED)
-        displacement = (
-            solution.displacement[solved[-1]]
-            if len(solved)
-            else np.zeros((self._n_points, 3))
-        )
-        within = DEFAULT_OPTIONS.tolerance_mm
-        whole = bool(solution.status[-1] == Status.CONVERGED)
+        within = TOLERANCE_MM if tolerance_mm is None else tolerance_mm / SAFETY
+        found = self._approach.solve(load_case, tolerance_mm=within)
+        whole = found.status == Status.CONVERGED
         return Prediction(
-            displacement=displacement,
+            displacement=found.displacement,
             error_estimate_mm=ErrorEstimate(within, within, 1.0) if whole else None,
             status=PredictionStatus.OK if whole else PredictionStatus.TOLERANCE_NOT_MET,
             seconds=time.perf_counter() - start,

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.learning.interface import Body
+from physgnn.mechanics.continued import continued_force
+from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.rest_state import RestState
 
@@ -34,7 +36,23 @@ def correction_indicator(body: Body) -> Indicator:
     return correction
 
 
+def residual_indicator(body: Body) -> Indicator:
+    """Return K₀⁻¹ (f − f_int(û)), what the force out of balance would do at rest.
+
+    Cells may be inverted in û (`physgnn.mechanics.continued`).
+    """
+    rest = RestState(body.mesh, body.materials, body.fixed)
+    elements = make_elements(body.mesh, body.materials)
+
+    def residual(case: LoadCase, displacement: FloatArray) -> FloatArray:
+        force, _ = continued_force(elements, displacement)
+        return rest.solve(case.on_points(body.mesh.n_points) - force)
+
+    return residual
+
+
 INDICATORS: Mapping[str, Callable[[Body], Indicator]] = {
     "displacement": displacement_indicator,
     "correction": correction_indicator,
+    "residual": residual_indicator,
 }

@@ -21,6 +21,7 @@ class PredictionStatus(IntEnum):
     SOLVED = 1
     OUTSIDE_TRAINED_RANGE = 2
     TOLERANCE_NOT_MET = 3
+    REPAIRED = 4
 
     @property
     def remedy(self) -> str:
@@ -30,7 +31,11 @@ class PredictionStatus(IntEnum):
     @property
     def usable(self) -> bool:
         """Whether the answer may be used with its error estimate as it is."""
-        return self in (PredictionStatus.OK, PredictionStatus.SOLVED)
+        return self in (
+            PredictionStatus.OK,
+            PredictionStatus.REPAIRED,
+            PredictionStatus.SOLVED,
+        )
 
     def __str__(self) -> str:
         return self.name.lower().replace("_", " ")
@@ -38,9 +43,13 @@ class PredictionStatus(IntEnum):
 
 _REMEDY = {
     PredictionStatus.OK: "the prediction can be used with its error estimate",
+    PredictionStatus.REPAIRED: (
+        "the estimate was above the tolerance, so the prediction was taken to "
+        "equilibrium: raise tolerance_mm to save its time"
+    ),
     PredictionStatus.SOLVED: (
-        "the estimate was above the tolerance, so the finite-element solution was "
-        "computed instead: raise tolerance_mm to save its time"
+        "the load was solved by finite elements from rest, no prediction being near "
+        "enough: raise tolerance_mm to save its time"
     ),
     PredictionStatus.OUTSIDE_TRAINED_RANGE: (
         "the load lies outside the trained range, where the error estimate promises "
