@@ -84,6 +84,7 @@ def listen(port: int) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((HOST, port))
+        listening.listen()  # who comes early waits
     except (OSError, OverflowError) as error:
         listening.close()
         raise InputError(

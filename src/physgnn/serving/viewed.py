@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR, PRESETS
 from physgnn.errors import InputError
@@ -13,9 +14,9 @@ from physgnn.learning.interface import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.indicators import INDICATORS, Indicator
-from physgnn.prediction.linear import linear_answer
-from physgnn.prediction.prediction import Predict
+from physgnn.prediction.prediction import Answer, Predict
 from physgnn.prediction.predictor import Predictor
+from physgnn.serving.live_predictor import linear_on, live_predictor
 from physgnn.serving.patch import Exposed
 
 BUNDLED_POINTS = 6000
@@ -90,13 +91,18 @@ def view_run(run: Path) -> Viewed:
     network = Predictor.load(run)
     body, calibration = network.body, network.calibration
     trained = None if calibration is None else calibration.trained_range.nodes
+    exposed = Exposed.of(body, _exposed_nodes(body.mesh, trained))
+    linear = linear_on(body, exposed.nodes)
     return Viewed(
         title="/".join(run.resolve().parts[-2:]),
         body=body,
-        answers={"network": network, "linear": _linear(body)},
-        exposed=Exposed.of(body, _exposed_nodes(body.mesh, trained)),
+        answers={
+            "network": live_predictor(network, linear),
+            "linear": Predictor(body, linear),
+        },
+        exposed=exposed,
         calibration=calibration,
-        indicator=INDICATORS[calibration.indicator](body) if calibration else None,
+        indicator=_indicator(body, calibration, linear),
     )
 
 
@@ -104,7 +110,8 @@ def view_mesh(mesh: TetMesh, title: str) -> Viewed:
     """Return a mesh without a network, made of the published materials."""
     body = Body(mesh, BRAIN_AND_TUMOUR, mesh.point_set("fixed"))
     exposed = Exposed.of(body, _exposed_nodes(mesh, None))
-    return Viewed(title, body, {"linear": _linear(body)}, exposed)
+    linear = Predictor(body, linear_on(body, exposed.nodes))
+    return Viewed(title, body, {"linear": linear}, exposed)
 
 
 def bundled_mesh() -> TetMesh:
@@ -119,13 +126,19 @@ def bundled_mesh() -> TetMesh:
     return mesh.with_point_sets(**sets)
 
 
-def _linear(body: Body) -> Predictor:
-    return Predictor(body, linear_answer(body))
+def _indicator(
+    body: Body, calibration: Calibration | None, linear: Answer
+) -> Indicator | None:
+    if calibration is None:
+        return None
+    if calibration.indicator == "correction":
+        return lambda case, displacement: displacement - linear(case)
+    return INDICATORS[calibration.indicator](body)
 
 
 def _exposed_nodes(
     mesh: TetMesh, trained: tuple[int, ...] | None
-) -> "np.ndarray[tuple[int], np.dtype[np.int64]] | None":
+) -> NDArray[np.int64] | None:
     if trained is not None:
         return np.array(trained, dtype=np.int64)
     return mesh.point_sets.get("loaded")

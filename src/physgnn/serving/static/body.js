@@ -10,7 +10,7 @@ const INSIDE = { tumour: [0.62, 0.42, 0.82], ventricle: [0.35, 0.55, 0.8] };
 const OTHER = [0.5, 0.6, 0.6];
 
 export class BodyView {
-  constructor(arrays) {
+  constructor(arrays, size) {
     this.scene = new THREE.Scene();
     this.displacement = null;
     this.values = null;
@@ -29,7 +29,7 @@ export class BodyView {
       this.inside.push(part);
     }
     this.section = null;
-    this.arrow = new Arrow();
+    this.arrow = new Arrow(size);
     this.scene.add(this.arrow.group);
   }
 
@@ -158,16 +158,16 @@ function ghost(part) {
   return lines;
 }
 
-const SHAFT_MM = 1.1;
-
 /** The force: its head on the surface, a handle at its tail. */
 class Arrow {
-  constructor() {
+  constructor(size) {
     const material = new THREE.MeshBasicMaterial({ color: 0xffffff });
     this.material = material;
-    this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(SHAFT_MM, SHAFT_MM, 1, 16), material);
-    this.head = new THREE.Mesh(new THREE.ConeGeometry(3.2, 8, 24), material);
-    this.handle = new THREE.Mesh(new THREE.SphereGeometry(3.4, 24, 16), material);
+    this.headLength = 0.03 * size;
+    const [thin, wide, ball] = [0.004, 0.012, 0.0125].map((share) => share * size);
+    this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(thin, thin, 1, 16), material);
+    this.head = new THREE.Mesh(new THREE.ConeGeometry(wide, this.headLength, 24), material);
+    this.handle = new THREE.Mesh(new THREE.SphereGeometry(ball, 24, 16), material);
     this.group = new THREE.Group();
     this.group.add(this.shaft, this.head, this.handle);
     this.group.visible = false;
@@ -182,9 +182,9 @@ class Arrow {
     this.group.visible = true;
     this.group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along);
     this.group.position.copy(tail);
-    this.shaft.scale.y = Math.max(length - 7, 0.1);
+    this.shaft.scale.y = Math.max(length - 0.9 * this.headLength, 0.1 * this.headLength);
     this.shaft.position.y = this.shaft.scale.y / 2;
-    this.head.position.y = length - 4;
+    this.head.position.y = length - this.headLength / 2;
     this.material.color.set(colour);
   }
 }

@@ -2,7 +2,7 @@
 
 import * as THREE from "three";
 
-const LENGTH_MM = [14, 62]; // of the arrow, at no force and at the greatest
+const LENGTH = [0.05, 0.225]; // of the arrow, at no force and at the greatest, in body sizes
 
 export class Load {
   constructor(onChange) {
@@ -12,7 +12,8 @@ export class Load {
   }
 
   /** What the scene says of limits and of the exposed surface. */
-  fit(header, points, exposed, restNormals) {
+  fit(header, { points, exposed }, restNormals, size) {
+    this.lengths = LENGTH.map((share) => share * size);
     this.newton = header.force_n;
     this.maxNewton = header.max_force_n;
     this.radius = header.radius_mm;
@@ -75,7 +76,7 @@ export class Load {
   /** Have the arrow's tail at a place: that sets direction and force. */
   pullFrom(place) {
     const along = this.tip.clone().sub(place);
-    const [least, most] = LENGTH_MM;
+    const [least, most] = this.lengths;
     const share = (along.length() - least) / (most - least);
     this.newton = this.maxNewton * Math.min(Math.max(share, 0.02), 1);
     this.direction = along.normalize();
@@ -92,7 +93,7 @@ export class Load {
 
   get tail() {
     if (!this.point || !this.tip) return null;
-    const [least, most] = LENGTH_MM;
+    const [least, most] = this.lengths;
     const length = least + (most - least) * (this.newton / this.maxNewton);
     return this.tip.clone().addScaledVector(this.direction, -length);
   }

@@ -47,7 +47,7 @@ function onScene(header, arrays) {
   $("subtitle").textContent = `${header.n_points.toLocaleString("en")} points, ${header.n_cells.toLocaleString("en")} cells`;
   stage.load(header, arrays);
   arrangeViews();
-  load.fit(header, arrays.points, arrays.exposed, stage.views[0].brain.normal.slice());
+  load.fit(header, arrays, stage.views[0].brain.normal.slice(), stage.size);
   setForce = panel.slider("force", { min: 0.02 * header.max_force_n, max: header.max_force_n, value: load.newton },
     (v) => `${v.toFixed(2)} N`, (v) => { load.newton = v; loadChanged(); });
   setRadius = panel.slider("radius", { min: 2, max: header.max_radius_mm, value: load.radius },

@@ -6,6 +6,9 @@ import { BodyView } from "./body.js";
 
 const LETTERS = { R: [1, 0, 0], L: [-1, 0, 0], A: [0, 1, 0], P: [0, -1, 0], S: [0, 0, 1], I: [0, 0, -1] };
 const VIEW_ANGLE = 32;
+const SLOW_MS = 20; // a draw that takes longer is coarser while things move
+const COARSE = 0.5;
+const SHARP_AFTER_MS = 250;
 THREE.ColorManagement.enabled = false;
 
 export class Stage {
@@ -14,9 +17,10 @@ export class Stage {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // colours are as written
     this.renderer.setClearColor(0x000000, 0);
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.pixelRatio = Math.min(devicePixelRatio, 2);
+    this.renderer.setPixelRatio(this.pixelRatio);
     this.renderer.autoClear = false;
-    this.camera = new THREE.PerspectiveCamera(VIEW_ANGLE, 1, 10, 3000);
+    this.camera = new THREE.PerspectiveCamera(VIEW_ANGLE, 1);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enablePan = false;
@@ -35,26 +39,41 @@ export class Stage {
   load(header, arrays) {
     this.arrays = arrays;
     this.box = new THREE.Box3().setFromArray(arrays.points);
+    this.size = this.box.getSize(new THREE.Vector3()).length();
     this.normal = new THREE.Vector3(...header.normal).normalize();
     this.resetView();
   }
 
   /** Have as many bodies as names. */
   setViews(n) {
-    this.views = Array.from({ length: n }, () => new BodyView(this.arrays));
+    this.views = Array.from({ length: n }, () => new BodyView(this.arrays, this.size));
+    this.slow = this.drawingTime() > SLOW_MS;
     this.invalidate();
+  }
+
+  /** How long a draw takes, in ms; the second one, since the first compiles. */
+  drawingTime() {
+    const gl = this.renderer.getContext();
+    let start;
+    for (let i = 0; i < 2; i++) {
+      start = performance.now();
+      this.draw();
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits
+    }
+    return performance.now() - start;
   }
 
   /** Look at the exposed surface, somewhat from above and the side. */
   resetView() {
     const centre = this.box.getCenter(new THREE.Vector3());
-    const size = this.box.getSize(new THREE.Vector3()).length();
+    const { size } = this;
     const side = new THREE.Vector3(0, 0, 1).cross(this.normal);
     if (side.length() < 0.1) side.set(1, 0, 0);
     const from = this.normal.clone().multiplyScalar(0.62).addScaledVector(side.normalize(), -0.72);
     from.z = Math.max(from.z, 0.2) * 0.75;
     this.controls.target.copy(centre);
     this.camera.position.copy(centre).addScaledVector(from.normalize(), 1.72 * size);
+    [this.camera.near, this.camera.far] = [0.05 * size, 10 * size];
     this.controls.minDistance = 0.5 * size;
     this.controls.maxDistance = 4 * size;
     this.controls.update();
@@ -66,9 +85,20 @@ export class Stage {
     this.scheduled = true;
     requestAnimationFrame(() => {
       this.scheduled = false;
+      if (this.slow) this.hurry();
       this.draw();
       for (const done of this.afterDraw.splice(0)) done();
     });
+  }
+
+  /** Draw coarsely now, and sharply when nothing has moved for a moment. */
+  hurry() {
+    this.renderer.setPixelRatio(COARSE * this.pixelRatio);
+    clearTimeout(this.sharpening);
+    this.sharpening = setTimeout(() => {
+      this.renderer.setPixelRatio(this.pixelRatio);
+      this.draw();
+    }, SHARP_AFTER_MS);
   }
 
   draw() {
@@ -97,7 +127,7 @@ export class Stage {
   placeLetters(width, height) {
     this.lettersBox.hidden = this.views.length > 1;
     const centre = this.box.getCenter(new THREE.Vector3());
-    const half = this.box.getSize(new THREE.Vector3()).multiplyScalar(0.5).addScalar(14);
+    const half = this.box.getSize(new THREE.Vector3()).multiplyScalar(0.5).addScalar(0.05 * this.size);
     const towards = this.camera.position.clone().sub(centre).normalize();
     Object.values(LETTERS).forEach((direction, i) => {
       const place = new THREE.Vector3(...direction).multiply(half).add(centre);

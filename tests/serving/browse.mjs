@@ -1,0 +1,120 @@
+// Drives a real browser over the live view and prints what it saw as one line of JSON.
+//   node browse.mjs <playwright-core folder> <chromium> <url> <folder for downloads>
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [, , playwright, chromium, url, folder] = process.argv;
+const { chromium: launcher } = await import(pathToFileURL(path.join(playwright, "index.mjs")));
+const FLAGS = [
+  "--headless", "--no-sandbox", "--disable-quic", "--no-first-run",
+  "--disable-background-networking", "--disable-component-update", "--disable-sync",
+  "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+];
+const WAIT = { timeout: 60000 };
+
+const browser = await launcher.launch({ executablePath: chromium, args: FLAGS });
+const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, hasTouch: true });
+const saw = { errors: [], elsewhere: [] };
+page.on("console", (m) => { if (["error", "warning"].includes(m.type())) saw.errors.push(m.text()); });
+page.on("pageerror", (e) => saw.errors.push(String(e)));
+page.on("request", (r) => { if (!r.url().startsWith(url) && !r.url().startsWith("blob:")) saw.elsewhere.push(r.url()); });
+
+/** The place of an exposed point on the screen: the one nearest the middle, or near it. */
+const place = (dx = 0, dy = 0) => page.evaluate(([dx, dy]) => {
+  const { load, stage } = window.physgnn;
+  const sum = load.touchable.reduce((a, t) => a.add(t.place), load.touchable[0].place.clone().multiplyScalar(0));
+  const { x, y } = stage.toScreen(sum.multiplyScalar(1 / load.touchable.length));
+  return { x: x + dx, y: y + dy };
+}, [dx, dy]);
+/** Wait until the newest push is sent, answered and drawn. */
+async function answered(name) {
+  await settle();
+  await page.waitForFunction(
+    (name) => window.physgnn.answers[name]?.id === window.physgnn.link.id, name, WAIT);
+  await settle();
+}
+const state = async () => page.evaluate(() => ({
+  answers: window.physgnn.answers,
+  push: window.physgnn.load.point && window.physgnn.load.message({ answers: ["network"] }),
+  largest: document.querySelector("#largest").textContent,
+  error: document.querySelector("#error").textContent,
+  chip: document.querySelector("#chip").textContent,
+  displaced: Array.from(window.physgnn.stage.views[0].displacement ?? []),
+}));
+const picture = async () => (await page.locator("#canvas").screenshot()).toString("base64");
+const settle = () => page.evaluate(() => new Promise((done) =>
+  requestAnimationFrame(() => requestAnimationFrame(done))));
+
+async function drag(steps, seconds) {
+  const { x, y } = await place();
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  const end = Date.now() + 1000 * seconds;
+  let i = 0;
+  do {
+    await page.mouse.move(x + 14 * Math.sin(i / 9), y + 8 * Math.cos(i / 7));
+    i += 1;
+  } while (i < steps || Date.now() < end);
+  await page.mouse.up();
+}
+
+await page.goto(url);
+await page.waitForSelector("body[data-ready=yes]", WAIT);
+await settle();
+const atRest = await picture();
+
+// a first push, so that whatever is compiled on first use is out of the way
+await drag(5, 0);
+await answered("network");
+saw.dragged = await state();
+saw.pictureChanged = (await picture()) !== atRest;
+
+await drag(0, 4);
+saw.rate = await page.evaluate(() => window.physgnn.link.rate());
+saw.latencyMs = await page.evaluate(() => window.physgnn.link.latencyMs);
+await answered("network");
+
+const downloads = {};
+for (const [button, name] of [["#save", "load-case.json"], ["#screenshot", "physgnn.png"]]) {
+  const [download] = await Promise.all([page.waitForEvent("download", WAIT), page.click(button)]);
+  downloads[name] = path.join(folder, download.suggestedFilename());
+  await download.saveAs(downloads[name]);
+}
+saw.downloads = downloads;
+saw.kept = await state();
+
+await page.click("label:has(#solve)");
+await answered("finite elements");
+saw.solved = await state();
+await page.click("label:has(#solve)");
+
+await page.click("label:has(#compare)");
+await answered("finite elements");
+saw.captions = await page.locator("#captions span").allInnerTexts();
+await page.click("label:has(#compare)");
+
+for (const field of ["error", "volume", "displacement"]) {
+  await page.click(`#fields label:has([value=${field}])`);
+  await answered("network");
+  saw[field] = await page.locator("#legend-title").textContent();
+}
+await page.click("#axes label:has([value=axial])");
+await page.waitForFunction(() => window.physgnn.stage.views[0].section !== null, null, WAIT);
+await page.click("#axes label:has([value=none])");
+
+await page.focus("#canvas");
+await page.keyboard.press("Escape");
+await settle();
+saw.released = await state();
+await page.keyboard.press("Enter");
+const force = await page.evaluate(() => window.physgnn.load.newton);
+for (const key of ["+", "ArrowUp", "ArrowLeft", "Shift+ArrowRight", "]"]) await page.keyboard.press(key);
+saw.keyboard = { grew: (await page.evaluate(() => window.physgnn.load.newton)) > force, ...(await state()) };
+await page.keyboard.press("Escape");
+
+const { x, y } = await place();
+await page.touchscreen.tap(x, y);
+saw.touched = await state();
+
+await browser.close();
+console.log(JSON.stringify(saw));

@@ -1,0 +1,67 @@
+"""A block with a tumour on show, and a server to show it."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from live_server import Address, serving
+
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.interface import Body
+from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.materials import NeoHookean
+from physgnn.prediction.calibration import Calibration
+from physgnn.prediction.indicators import INDICATORS
+from physgnn.prediction.linear import linear_answer
+from physgnn.prediction.predictor import Predictor
+from physgnn.prediction.trained_range import TrainedRange
+from physgnn.serving.engine import Engine
+from physgnn.serving.patch import Exposed
+from physgnn.serving.viewed import Viewed
+
+MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
+WARM = 0.9  # the stand-in for a network: linear elasticity times this
+
+
+@pytest.fixture(scope="session")
+def body(block: TetMesh) -> Body:
+    return Body(block, MATERIALS, block.point_set("fixed"))
+
+
+@pytest.fixture(scope="session")
+def viewed(body: Body) -> Viewed:
+    """A body with a stand-in for a network, calibrated by hand."""
+    top = body.mesh.point_set("loaded")
+    down = np.tile([0.0, 0.0, -0.02 / len(top)], (len(top), 1))
+    linear = linear_answer(body)
+    calibration = Calibration(
+        indicator="displacement",
+        coverage=0.9,
+        mean_factor=0.1,
+        max_factor=0.2,
+        n_paths=9,
+        n_samples=9,
+        trained_range=TrainedRange.from_cases([LoadCase(top, down)]),
+    )
+    network = Predictor(body, lambda case: WARM * linear(case), calibration=calibration)
+    return Viewed(
+        title="block",
+        body=body,
+        answers={"network": network, "linear": Predictor(body, linear)},
+        exposed=Exposed.of(body, top),
+        calibration=calibration,
+        indicator=INDICATORS["displacement"](body),
+    )
+
+
+@pytest.fixture
+def engine(viewed: Viewed) -> Iterator[Engine]:
+    engine = Engine(viewed)
+    yield engine
+    engine.close()
+
+
+@pytest.fixture(scope="module")
+def address(viewed: Viewed) -> Iterator[Address]:
+    with serving(Engine(viewed)) as address:
+        yield address

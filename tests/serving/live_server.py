@@ -1,0 +1,54 @@
+"""A server in a thread, and what to ask of it."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from physgnn.serving.app import Beside, make_app
+from physgnn.serving.engine import Engine
+from physgnn.serving.messages import Push
+from physgnn.serving.serve import listen, make_server
+
+
+@dataclass(frozen=True)
+class Address:
+    """Where a server listens."""
+
+    host: str
+    port: int
+
+    @property
+    def page(self) -> str:
+        return f"http://{self.host}:{self.port}"
+
+    @property
+    def live(self) -> str:
+        return f"ws://{self.host}:{self.port}/live"
+
+
+@contextmanager
+def serving(engine: Engine, *beside: Beside) -> Iterator[Address]:
+    """Run a server in a thread."""
+    listening = listen(0)
+    server = make_server(make_app(engine, *beside))
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
+    thread.start()
+    try:
+        yield Address(*listening.getsockname())
+    finally:
+        server.should_exit = True
+        thread.join(20)
+        assert not thread.is_alive()
+
+
+def push(**change: Any) -> Push:
+    """A gentle push on the middle of the block's top."""
+    values = {
+        "point": (5.0, 5.0, 10.0),
+        "force_n": (0.0, 0.0, -0.01),
+        "radius_mm": 6.0,
+        "answers": ["network"],
+    }
+    return Push(**{**values, **change})

@@ -1,0 +1,141 @@
+"""The page in a real browser: node, playwright-core and Chromium.
+
+Set PHYSGNN_PLAYWRIGHT to the folder of playwright-core (``npm install playwright-core``
+anywhere; the folder is node_modules/playwright-core), PHYSGNN_CHROMIUM if Chromium is
+not on the path. PHYSGNN_VIEW_RUN names a trained run to measure instead of the block.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from live_server import serving
+
+from physgnn.io import read_load_case
+from physgnn.serving.answers import load_case
+from physgnn.serving.engine import Engine
+from physgnn.serving.messages import Push
+from physgnn.serving.viewed import Viewed, view
+
+LEAST_RATE = 20  # answers drawn a second, while dragging
+
+
+def browser_tools() -> tuple[str, str, str]:
+    node = shutil.which("node")
+    chromium = os.environ.get("PHYSGNN_CHROMIUM") or shutil.which("chromium")
+    playwright = os.environ.get("PHYSGNN_PLAYWRIGHT", "")
+    for name, there in (
+        ("node", node),
+        ("chromium", chromium),
+        ("playwright-core (set PHYSGNN_PLAYWRIGHT)", Path(playwright, "index.mjs")),
+    ):
+        if there is None or not Path(there).exists():
+            pytest.skip(f"no {name} on this machine")
+    return str(node), playwright, str(chromium)
+
+
+@pytest.fixture(scope="module")
+def shown(viewed: Viewed) -> Viewed:
+    run = os.environ.get("PHYSGNN_VIEW_RUN")
+    return viewed if run is None else view(run)
+
+
+@pytest.fixture(scope="module")
+def saw(shown: Viewed, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What the browser saw; browse.mjs says what it did."""
+    node, playwright, chromium = browser_tools()
+    script = Path(__file__).with_name("browse.mjs")
+    downloads = tmp_path_factory.mktemp("downloads")
+    busy = os.getloadavg()[0] > (os.cpu_count() or 1)
+    with serving(Engine(shown)) as address:
+        url = f"{address.page}/"
+        done = subprocess.run(
+            [node, str(script), playwright, chromium, url, str(downloads)],
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
+    assert done.returncode == 0, done.stderr
+    seen: dict[str, Any] = json.loads(done.stdout)
+    seen["busy"] = busy
+    print(f"{seen['rate']} answers/s, {seen['latencyMs']:.0f} ms latency")
+    return seen
+
+
+def expected(shown: Viewed, push: dict[str, Any], name: str = "network") -> Any:
+    engine = Engine(shown)
+    case = load_case(engine, Push(**push))
+    engine.close()
+    return shown.answers[name](case)
+
+
+def test_the_page_has_no_errors_and_asks_nobody_else(saw: dict[str, Any]) -> None:
+    assert saw["errors"] == []
+    assert saw["elsewhere"] == []
+
+
+def test_a_drag_deforms_the_brain(saw: dict[str, Any]) -> None:
+    assert saw["pictureChanged"]
+    assert np.any(saw["dragged"]["displaced"])
+    assert saw["dragged"]["answers"]["network"]["largest_mm"] > 0
+
+
+def test_what_is_shown_is_what_predict_answers_for_the_kept_load_case(
+    saw: dict[str, Any], shown: Viewed
+) -> None:
+    kept = saw["kept"]
+    file = saw["downloads"]["load-case.json"]
+    prediction = shown.answers["network"](read_load_case(file, shown.body.mesh))
+    largest = np.linalg.norm(prediction.displacement, axis=1).max()
+    estimate = prediction.error_estimate_mm
+    assert kept["answers"]["network"]["largest_mm"] == pytest.approx(largest, rel=1e-5)
+    assert float(kept["largest"]) == pytest.approx(largest, abs=0.006)
+    assert float(kept["error"]) == pytest.approx(estimate.max_mm, rel=0.06)
+    on_page = np.array(kept["displaced"]).reshape(-1, 3)
+    engine = Engine(shown)
+    there = prediction.displacement[engine.shown.nodes]
+    engine.close()
+    np.testing.assert_allclose(on_page, there, atol=1e-4)
+
+
+def test_the_page_keeps_up(saw: dict[str, Any]) -> None:
+    if saw["busy"] and saw["rate"] < LEAST_RATE:
+        pytest.skip(f"other work on this machine ({saw['rate']} answers/s)")
+    assert saw["rate"] >= LEAST_RATE
+
+
+def test_the_screenshot_is_a_picture(saw: dict[str, Any]) -> None:
+    content = Path(saw["downloads"]["physgnn.png"]).read_bytes()
+    assert content.startswith(b"\x89PNG")
+    assert len(content) > 10_000
+
+
+def test_finite_elements_replace_the_answer(saw: dict[str, Any]) -> None:
+    solved = saw["solved"]
+    answer = solved["answers"]["finite elements"]
+    assert solved["chip"] == "solved"
+    assert float(solved["largest"]) == pytest.approx(answer["largest_mm"], abs=0.006)
+
+
+def test_side_by_side_shows_all_three(saw: dict[str, Any]) -> None:
+    names = [caption.splitlines()[0] for caption in saw["captions"]]
+    assert names == ["Network", "Linear", "Finite elements"]
+
+
+def test_every_field_has_its_legend(saw: dict[str, Any]) -> None:
+    assert saw["displacement"] == "Displacement, mm"
+    assert saw["error"] == "Estimated error, mm"
+    assert saw["volume"].startswith("det F")
+
+
+def test_keys_and_touch_push_and_let_go(saw: dict[str, Any]) -> None:
+    assert saw["released"]["push"] is None
+    assert saw["released"]["chip"] == "at rest"
+    assert saw["keyboard"]["grew"]
+    assert saw["keyboard"]["push"] is not None
+    assert saw["touched"]["push"] is not None
