@@ -1,8 +1,8 @@
 """How far a mesh of ten thousand points is from the continuum: nested refinement.
 
-    python benchmarks/refinement.py                                    # minutes, 3 GB
+    python benchmarks/refinement.py                                    # minutes
     python benchmarks/refinement.py --points 9000 --refinements 1      # the demo's own
-    python benchmarks/refinement.py --elements tet4-averaged           # needs ~20 GB
+    python benchmarks/refinement.py --elements tet4-averaged           # much memory
 
 Every cell is cut into eight, so the body, the fixed points and the loaded patch stay
 the same to the last digit, coarse points are fine points, and what differs is the
