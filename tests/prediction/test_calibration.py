@@ -8,6 +8,7 @@ import pytest
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.interface import Body
+from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import Calibration, calibrate
 from physgnn.prediction.indicators import INDICATORS
 from physgnn.prediction.linear import linear_answer
@@ -41,6 +42,21 @@ def test_correction_indicates_nothing_for_the_linear_solution(
     case = store.load_case(0, 2)
     correction = INDICATORS["correction"](body)(case, linear_answer(body)(case))
     assert np.abs(correction).max() < 1e-9
+
+
+def test_residual_indicates_the_error(store: Store, body: Body) -> None:
+    """Nothing where there is none; all of it near rest; finite with inverted cells."""
+    case, truth = store.load_case(0, 0), store.displacement(0)[0]
+    residual = INDICATORS["residual"](body)
+    assert np.abs(residual(case, truth.astype(float))).max() < 1e-4
+    # about the rest state K₀ is the tangent, and the residual the error
+    slight = LoadCase(case.nodes, 1e-4 * case.forces)
+    answer = linear_answer(body)(slight)
+    indicated = residual(slight, 1.1 * answer)
+    np.testing.assert_allclose(
+        indicated, -0.1 * answer, atol=1e-3 * np.abs(answer).max()
+    )
+    assert np.isfinite(residual(case, -100.0 * truth)).all()
 
 
 def test_json_round_trip(calibration: Calibration, tmp_path: Path) -> None:
