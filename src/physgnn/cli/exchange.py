@@ -17,10 +17,11 @@ Sources = Annotated[
 
 
 def export(
-    source: Annotated[Path, typer.Argument(help="Mesh, VTU, or a dataset.")],
+    source: Annotated[Path, typer.Argument(help="Mesh, VTU, dataset, or run.")],
     febio: Annotated[Path | None, typer.Option(help="FEBio 4 model, .feb.")] = None,
     arrays: Annotated[Path | None, typer.Option(help="NumPy arrays, .npz.")] = None,
     series: Annotated[Path | None, typer.Option(help="Folder of VTU files.")] = None,
+    onnx: Annotated[Path | None, typer.Option(help="A run's network, .onnx.")] = None,
     preset: Annotated[
         str | None, typer.Option(help="Loads of a mesh: paper-1, paper-2 or demo.")
     ] = None,
@@ -29,14 +30,18 @@ def export(
     ] = None,
     path: Annotated[int, typer.Option(min=0, help="Which load path.")] = 0,
 ) -> None:
-    """Write a load path for FEBio, or results for other programs."""
+    """Write a load path for FEBio, results or a network for other programs."""
     from physgnn.config import read_preset
     from physgnn.dataset.exporting import export_arrays, export_febio, export_series
 
-    if sum(target is not None for target in (febio, arrays, series)) != 1:
-        raise InputError("give one of --febio, --arrays and --series")
+    if sum(target is not None for target in (febio, arrays, series, onnx)) != 1:
+        raise InputError("give one of --febio, --arrays, --series and --onnx")
     with working("exporting"):
-        if febio is not None:
+        if onnx is not None:
+            from physgnn.learning.onnx_export import export_onnx
+
+            export_onnx(source, onnx)
+        elif febio is not None:
             chosen = preset if loads is None else read_preset(loads)
             export_febio(source, febio, preset=chosen, path=path)
         elif arrays is not None:
@@ -44,7 +49,7 @@ def export(
         else:
             assert series is not None
             export_series(source, series, path=path)
-    print(febio or arrays or series)
+    print(febio or arrays or series or onnx)
 
 
 def import_(

@@ -26,6 +26,8 @@ class JumpingKnowledge(nn.Module):
     keep_states : bool
         Keep what the LSTM's way back needs, or compute it twice: a tenth more time and
         a quarter of the memory in training.
+    precision : torch.dtype
+        Of the LSTM when predicting; training and the layers' mean are float32.
     """
 
     def __init__(self, width: int, n_layers: int) -> None:
@@ -34,19 +36,24 @@ class JumpingKnowledge(nn.Module):
         self.lstm = nn.LSTM(width, hidden, bidirectional=True)
         self.score = nn.Linear(2 * hidden, 1)
         self.keep_states = True
+        self.precision = torch.float32
 
     def forward(self, layers: Sequence[Tensor]) -> Tensor:
         """Return the layers' weighted mean, each (…, width)."""
         rows = [layer.flatten(0, -2) for layer in layers]
         ahead, back = self._weights()
-        keep = self.keep_states
-        scores = lstm_scores(rows, ahead, keep=keep)
-        scores = scores + lstm_scores(rows[::-1], back, keep=keep).flip(1)
+        scores = self._scores(rows, ahead) + self._scores(rows[::-1], back).flip(1)
         attention = torch.softmax(scores + self.score.bias, dim=1)
         mean = rows[0] * attention[:, :1]
         for k in range(1, len(rows)):
             mean = torch.addcmul(mean, rows[k], attention[:, k : k + 1])
         return mean.view(layers[0].shape)
+
+    def _scores(self, rows: Sequence[Tensor], weights: Weights) -> Tensor:
+        if not torch.is_grad_enabled():
+            rows = [row.to(self.precision) for row in rows]
+            weights = Weights(*(weight.to(self.precision) for weight in weights))
+        return lstm_scores(rows, weights, keep=self.keep_states).float()
 
     def _weights(self) -> tuple[Weights, Weights]:
         """Return both directions' weights, gates in the order they are computed in."""

@@ -78,7 +78,7 @@ class PhysGNN(nn.Module):
             nn.Linear(width, narrow), nn.PReLU(narrow), SampleDropout(0.1),
             nn.Linear(narrow, 3),
         )  # fmt: skip
-        self._pruning = Pruning(N_LAYERS)
+        self.pruning = Pruning(N_LAYERS)
 
     def forward(self, x: Tensor, graph: Graph) -> Tensor:
         """Return displacement in mm.
@@ -99,7 +99,7 @@ class PhysGNN(nn.Module):
             single: Tensor = self(x[None], graph)[0]
             return single
         graph.check_rows(x)
-        last = self._pruning.last_output(self, x, graph)
+        last = self.pruning.last_output(self, x, graph)
         if last is None:
             last = self.outputs(x, [graph] * N_LAYERS)[-1]
         displacement: Tensor = self.head(last.flatten(0, 1)).view(*x.shape[:2], 3)

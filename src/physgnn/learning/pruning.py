@@ -89,6 +89,10 @@ class Pruning:
         self._reaches: OrderedDict[bytes, tuple[Graph, Reach]] = OrderedDict()
         self._kept: _Kept | None = None
 
+    def forget(self) -> None:
+        """Drop the outputs without load, as after a change of precision."""
+        self._kept = None
+
     def last_output(self, network: Layered, x: Tensor, graph: Graph) -> Tensor | None:
         """Return the network's last output on all points, or None if it wouldn't pay.
 

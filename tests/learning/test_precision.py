@@ -1,0 +1,41 @@
+import pytest
+import torch
+
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.graph import Graph
+from physgnn.learning.physgnn import PhysGNN
+from physgnn.learning.precision import set_precision
+
+
+@pytest.fixture
+def network() -> PhysGNN:
+    torch.manual_seed(0)
+    return PhysGNN(width=16).eval()
+
+
+def test_bfloat16_is_near_and_float32_comes_back(
+    network: PhysGNN, block: TetMesh
+) -> None:
+    graph, x = Graph.from_mesh(block), torch.zeros(2, block.n_points, 7)
+    x[:, :5, 1:] = torch.randn(2, 5, 6)
+    with torch.inference_mode():
+        exact = network(x, graph)
+        set_precision(network, "bfloat16")
+        near = network(x, graph)
+        set_precision(network, "float32")
+        assert torch.equal(network(x, graph), exact)
+    difference = (near - exact).norm(dim=-1).mean() / exact.norm(dim=-1).mean()
+    assert 0 < difference < 0.01
+
+
+def test_training_stays_in_float32(network: PhysGNN, block: TetMesh) -> None:
+    graph, x = Graph.from_mesh(block), torch.randn(1, block.n_points, 7)
+    exact = network(x, graph)
+    set_precision(network, "bfloat16")
+    assert torch.equal(network(x, graph), exact)
+
+
+def test_refuses_a_precision_there_is_not(network: PhysGNN) -> None:
+    with pytest.raises(InputError, match="float32, bfloat16"):
+        set_precision(network, "float8")
