@@ -104,13 +104,13 @@ class Image:
     affine: FloatArray
 
     def __post_init__(self) -> None:
-        grid = ImageGrid(self.data.shape, self.affine)  # type: ignore[arg-type]
+        grid = ImageGrid(self.data.shape, self.affine)
         object.__setattr__(self, "affine", grid.affine)
 
     @cached_property
     def grid(self) -> ImageGrid:
         """Where the voxels are."""
-        return ImageGrid(self.data.shape, self.affine)  # type: ignore[arg-type]
+        return ImageGrid(self.data.shape, self.affine)
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,7 @@ def surface_fit(
     outside, the surface at the middles of its faces and at its points.
     """
     boundary = grid.to_world(_boundary(mask))
-    poly = pv.PolyData.from_regular_faces(surface.points, surface.faces)
+    poly = pv.PolyData.from_regular_faces(surface.points, surface.faces.astype(int))
     _, nearest = poly.find_closest_cell(boundary, return_closest_point=True)
     there = np.linalg.norm(boundary - nearest, axis=1).mean()
     middles = surface.points[surface.faces].mean(axis=1)

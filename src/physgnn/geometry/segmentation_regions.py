@@ -27,7 +27,9 @@ def with_ventricles(mesh: TetMesh, ventricles: Sequence[Surface]) -> TetMesh:
     centres = pv.PolyData(mesh.points[mesh.cells[enclosed]].mean(axis=1))
     region = mesh.region.copy()
     for surface in ventricles:
-        closed = pv.PolyData.from_regular_faces(surface.points, surface.faces)
+        closed = pv.PolyData.from_regular_faces(
+            surface.points, surface.faces.astype(int)
+        )
         inside = centres.select_interior_points(closed)["selected_points"]
         region[enclosed[np.asarray(inside, dtype=bool)]] = VENTRICLE
     return replace(mesh, region=region)

@@ -102,7 +102,7 @@ def with_volume(surface: Surface, target_mm3: float) -> Surface:
         missing = target_mm3 - volume(surface)
         if abs(missing) < VOLUME_TOLERANCE * target_mm3:
             break
-        poly = pv.PolyData.from_regular_faces(surface.points, surface.faces)
+        poly = pv.PolyData.from_regular_faces(surface.points, surface.faces.astype(int))
         shift = missing / poly.area * vertex_normals(surface)
         surface = Surface(surface.points + shift, surface.faces)
     return surface
@@ -114,7 +114,8 @@ def _fine_surface(distance: LevelSet, grid: ImageGrid, edge_mm: float) -> pv.Pol
         distance, 0.0, step_size=step
     )
     fine = pv.PolyData.from_regular_faces(grid.to_world(index), faces)
-    return fine.connectivity("largest")
+    largest: pv.PolyData = fine.connectivity("largest")
+    return largest
 
 
 def _even(fine: pv.PolyData, n_points: int) -> pv.PolyData:
@@ -132,4 +133,5 @@ def _even(fine: pv.PolyData, n_points: int) -> pv.PolyData:
 
 
 def _faces(poly: pv.PolyData) -> tuple[FloatArray, NDArray[np.int32]]:
-    return np.asarray(poly.points, dtype=np.float64), poly.regular_faces
+    points = np.asarray(poly.points, dtype=np.float64)
+    return points, poly.regular_faces.astype(np.int32)

@@ -59,13 +59,13 @@ def write_deformed(
         body = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, moved)
         body.cell_data["region"] = mesh.region
     elif path.suffix == ".vtp":
-        body = pv.PolyData.from_regular_faces(moved, boundary_faces(mesh))
+        body = pv.PolyData.from_regular_faces(moved, boundary_faces(mesh).astype(int))
     else:
         raise InputError(
             f"{path}: a deformed body is written as .vtu or .vtp (got '{path.suffix}')"
         )
     body.point_data[DISPLACEMENT] = displacement
-    if path.suffix == ".vtp":
+    if isinstance(body, pv.PolyData):
         body = body.clean(point_merging=False)
     with whole_file(path) as part:
         body.save(part)
