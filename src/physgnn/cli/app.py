@@ -3,15 +3,18 @@
 import os
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from physgnn import stages
-from physgnn.cli import exchange, experiments
+from physgnn.cli import exchange, experiments, images
 from physgnn.cli.console import progress, say, working
 from physgnn.cli.view import view
 from physgnn.errors import InputError
+
+if TYPE_CHECKING:
+    from physgnn.geometry import Surface
 
 app = typer.Typer(
     help="Real-time prediction of brain deformation: mesh, finite elements, networks.",
@@ -42,6 +45,21 @@ def main() -> None:
 @app.command()
 def mesh(
     out: Out,
+    segmentation: Annotated[
+        Path | None, typer.Argument(help="Label map, NIfTI, instead of surfaces.")
+    ] = None,
+    labels: Annotated[
+        str, typer.Option(help="mask, brats, freesurfer, or such as brain=1,tumour=4.")
+    ] = "mask",
+    brain_mask: Annotated[
+        Path | None, typer.Option(help="NIfTI, not 0 in the brain, for tumour maps.")
+    ] = None,
+    smoothing_mm: Annotated[
+        float | None, typer.Option(help="Of label maps; by default the voxel size.")
+    ] = None,
+    closing_mm: Annotated[
+        float | None, typer.Option(help="Radius that fills sulci of label maps.")
+    ] = None,
     brain: Annotated[
         Path | None, typer.Option(help="Surface: STL, PLY, OBJ or VTP, in mm.")
     ] = None,
@@ -64,31 +82,53 @@ def mesh(
         float | None, typer.Option(help="Smallest mean ratio a cell may have.")
     ] = None,
 ) -> None:
-    """Fill surfaces with tetrahedra and name point sets."""
+    """Fill surfaces, or a label map, with tetrahedra and name point sets."""
     from physgnn.config import read_point_sets
-    from physgnn.geometry import mni152_phantom
-    from physgnn.io import read_surface, write_mesh
+    from physgnn.io import write_mesh
 
-    if mni152 == (brain is not None):
-        raise InputError("give --brain, or --mni152 for the bundled case")
+    if [mni152, brain is not None, segmentation is not None].count(True) != 1:
+        raise InputError("give a label map, --brain, or --mni152 for the bundled case")
     rules = {} if sets is None else read_point_sets(sets)
+    common: dict[str, Any] = {
+        "rules": rules,
+        "quality_floor": quality_floor,
+        "log": say,
+    }
     with working("meshing"):
-        if brain is None:
-            phantom = mni152_phantom()
-            surfaces = [phantom.brain, *phantom.tumours]
+        if segmentation is None:
+            surface, *inner = _surfaces(brain, tumour or [])
+            made = stages.mesh_surfaces(
+                surface,
+                inner,
+                max_volume_mm3=max_volume_mm3,
+                target_points=target_points,
+                **common,
+            )
         else:
-            surfaces = [read_surface(path) for path in (brain, *(tumour or []))]
-        made = stages.mesh_surfaces(
-            surfaces[0],
-            surfaces[1:],
-            rules=rules,
-            quality_floor=quality_floor,
-            log=say,
-            max_volume_mm3=max_volume_mm3,
-            target_points=target_points,
-        )
+            from physgnn.image_stages import mesh_segmentation
+
+            made = mesh_segmentation(
+                segmentation,
+                labels,
+                brain_mask=brain_mask,
+                target_points=target_points or 10_000,
+                smoothing_mm=smoothing_mm,
+                closing_mm=closing_mm,
+                **common,
+            )
     write_mesh(out, made)
     print(f"{out}: {made.n_points} points, {made.n_cells} cells")
+
+
+def _surfaces(brain: Path | None, tumours: list[Path]) -> "list[Surface]":
+    """Read the surfaces a user names, or take the bundled ones."""
+    from physgnn.geometry import mni152_phantom
+    from physgnn.io import read_surface
+
+    if brain is not None:
+        return [read_surface(path) for path in (brain, *tumours)]
+    phantom = mni152_phantom()
+    return [phantom.brain, *phantom.tumours]
 
 
 @app.command()
@@ -257,9 +297,6 @@ def predict(
     )
 
 
-app.command()(view)
-
-
 @app.command()
 def published(
     weights: Annotated[Path, typer.Argument(help="Published state dict, .pt.")],
@@ -291,3 +328,6 @@ app.command("export")(exchange.export)
 app.command("import")(exchange.import_)
 app.command()(experiments.reproduce)
 app.command()(experiments.ablate)
+app.command()(images.warp)
+app.command()(images.register)
+app.command()(view)

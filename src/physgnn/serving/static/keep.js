@@ -12,7 +12,7 @@ function download(blob, name) {
 
 /** The picture on the page with a caption and the legend below. */
 export function keepPicture(stage, { lines, field, range }) {
-  stage.renderer.setPixelRatio(stage.pixelRatio);
+  stage.setSharp(true);
   stage.draw(); // the drawing buffer is only there right after drawing
   const { width, height } = stage.canvas;
   const scale = width / stage.canvas.clientWidth;

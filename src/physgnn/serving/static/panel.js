@@ -66,12 +66,13 @@ function showStatus({ answer, status, remedy, reasons }) {
     Object.assign(document.createElement("li"), { textContent: text })));
 }
 
-function showError({ error, largest_mm: largest }) {
+function showError({ error, status, largest_mm: largest }) {
   const bar = $("error-bar");
   bar.className = error ? "" : "unknown";
   $("error").textContent = error ? precise(error.max_mm) : "?";
   const chance = error?.coverage < 1 ? ` (${Math.round(100 * error.coverage)} %)` : "";
-  $("error-name").textContent = `Error at most${chance}`;
+  const promised = status !== "outside trained range";
+  $("error-name").textContent = promised ? `Error at most${chance}` : "Error, not promised";
   const end = 1.25 * (largest + (error?.max_mm ?? 0)) || 1;
   const percent = (mm) => `${(100 * Math.min(Math.max(mm / end, 0), 1)).toFixed(1)}%`;
   bar.querySelector(".value").style.left = percent(largest);

@@ -93,12 +93,18 @@ export class Stage {
 
   /** Draw coarsely now, and sharply when nothing has moved for a moment. */
   hurry() {
-    this.renderer.setPixelRatio(COARSE * this.pixelRatio);
+    this.setSharp(false);
     clearTimeout(this.sharpening);
     this.sharpening = setTimeout(() => {
-      this.renderer.setPixelRatio(this.pixelRatio);
+      this.setSharp(true);
       this.draw();
     }, SHARP_AFTER_MS);
+  }
+
+  /** Whether to draw every pixel and the far side of the brain, or to save time. */
+  setSharp(is) {
+    this.renderer.setPixelRatio((is ? 1 : COARSE) * this.pixelRatio);
+    for (const view of this.views) view.back.visible = is;
   }
 
   draw() {
@@ -110,7 +116,7 @@ export class Stage {
     this.camera.aspect = each / height;
     // A narrow view would cut the brain off left and right.
     this.camera.fov = 2 * THREE.MathUtils.radToDeg(
-      Math.atan(Math.tan(THREE.MathUtils.degToRad(VIEW_ANGLE / 2)) * Math.max(1, 0.7 / this.camera.aspect)),
+      Math.atan(Math.tan(THREE.MathUtils.degToRad(VIEW_ANGLE / 2)) * Math.max(1, 0.76 / this.camera.aspect)),
     );
     this.camera.updateProjectionMatrix();
     this.renderer.setScissorTest(true);
