@@ -29,7 +29,12 @@ def silent(_: str) -> Iterator[Progress]:
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """The bundled case's loads, few and on any mesh with the point sets."""
     paths = partial(
-        cone_paths, total_force_n=0.02, n_levels=2, n_paths=10, nodes_per_path=3
+        cone_paths,
+        total_force_n=0.02,
+        n_levels=2,
+        n_paths=10,
+        cone_deg=20.0,
+        nodes_per_path=3,
     )
     preset = replace(PRESETS["demo"], paths=paths, fixed=None, loaded=None)
     monkeypatch.setitem(PRESETS, "demo", preset)  # type: ignore[arg-type]

@@ -85,7 +85,18 @@ class Body:
 
     @classmethod
     def of(cls, store: Store) -> "Body":
-        """Return the body a store's samples were computed on."""
+        """Return the body a store's samples were computed on.
+
+        Raises
+        ------
+        InputError
+            If its elements are not those that predictions compute with.
+        """
+        if store.element != "tet4":
+            raise InputError(
+                f"networks learn from datasets of tet4 elements (this one has "
+                f"{store.element}): their linear and repaired answers are tet4's"
+            )
         return cls(store.mesh, store.materials, store.fixed)
 
     @cached_property
