@@ -125,7 +125,7 @@ def test_mistakes_are_one_line_and_leave_nothing(call: Call, folder: Path) -> No
     case, loads, out = folder / "case.vtu", folder / "loads.toml", folder / "result"
     (folder / "wrong.toml").write_text(LOADS.replace("paths", "path"))
     for arguments, message in (
-        (("mesh",), "give --brain, or --mni152"),
+        (("mesh",), "give a label map, --brain, or --mni152"),
         (("mesh", "--brain", folder / "no.stl"), "no.stl"),
         (("simulate", case), "give --preset or --loads"),
         (("simulate", case, "--preset", "paper-3"), "no preset 'paper-3' (there are:"),
