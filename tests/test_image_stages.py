@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
+from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.geometry import tetgen_process
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.image_stages import mesh_segmentation, warp_image
-from physgnn.io import write_prediction
+from physgnn.image_stages import mesh_segmentation, register, warp_image
+from physgnn.io import write_mesh, write_prediction
 from physgnn.io.nifti import read_image, read_segmentation, write_image
+from physgnn.io.prediction_file import read_displacement
 
 needs_tetgen = pytest.mark.skipif(
     not tetgen_process.available(), reason="meshing needs the tetgen extra"
@@ -112,3 +114,18 @@ def test_warp_writes_all_that_is_asked(block: TetMesh, tmp_path: Path) -> None:
         warp_image(
             tmp_path / "t1.nii.gz", tmp_path / "out.vtu", moved, slices="slices.jpg"
         )
+
+
+def test_register_writes_what_warp_reads(tmp_path: Path) -> None:
+    body = block_mesh(4, side=80.0)
+    case, measured, out = (tmp_path / n for n in ("case.vtu", "m.csv", "out.vtu"))
+    write_mesh(case, body)
+    source = body.points[body.point_set("loaded")]
+    moved = source + np.array([0.0, 1.0, -2.0])
+    np.savetxt(measured, np.hstack([source, moved]), delimiter=",")
+    found = register(case, measured, out, noise_mm=0.5)
+    mesh, u = read_displacement(out)
+    np.testing.assert_array_equal(u, found.prediction.displacement)
+    top = u[mesh.point_set("loaded")]
+    np.testing.assert_allclose(top.mean(axis=0), [0.0, 1.0, -2.0], atol=0.6)
+    assert (u[mesh.point_set("fixed")] == 0).all()

@@ -1,8 +1,8 @@
 """The steps that begin or end in images: one function behind each command."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -22,13 +22,25 @@ from physgnn.imaging import (
     round_trip_mm,
     warp,
 )
+from physgnn.io import read_mesh, write_prediction
 from physgnn.io.atomic import whole_file
 from physgnn.io.displacement_files import write_field
+from physgnn.io.markups import read_point_pairs
 from physgnn.io.nifti import read_image, read_segmentation, write_image
 from physgnn.io.prediction_file import read_displacement
+from physgnn.mechanics.materials.table import Material
+from physgnn.mechanics.materials.tissues import TISSUES
 from physgnn.stages import mesh_surfaces
 
+if TYPE_CHECKING:  # its package imports torch, which takes seconds
+    from physgnn.prediction.registration import Registration
+
 Log = Callable[[str], None]
+
+DEFAULT_MATERIALS: Mapping[int, Material] = {
+    region: TISSUES[name].material
+    for region, name in enumerate(("brain", "tumour", "ventricle"))
+}
 
 
 def mesh_segmentation(
@@ -153,6 +165,55 @@ def warp_image(
         centre = (mesh.points[most] + mesh.points.mean(axis=0)) / 2
         _save_figure(slices, before_after(before, after, centre))
     return after
+
+
+def register(
+    mesh: str | Path,
+    points: str | Path,
+    out: str | Path,
+    *,
+    target: str | Path | None = None,
+    noise_mm: float = 1.0,
+    materials: Mapping[int, Material] | None = None,
+    fixed: str = "fixed",
+) -> "Registration":
+    """Find the displacement of a whole brain from measured points of its surface.
+
+    Parameters
+    ----------
+    mesh : path
+        VTU with the point set that the skull holds.
+    points, target : path
+        See `physgnn.io.markups.read_point_pairs`.
+    out : path
+        VTU; `physgnn warp` takes it.
+    noise_mm : float
+        Standard deviation of each coordinate of a measured displacement.
+    materials : mapping of region to Material, optional
+        By default the tissues of the published work; displacements depend on ratios of
+        stiffness only.
+    fixed : str
+        Name of the point set.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, or points are far from the surface.
+    """
+    from physgnn.prediction.registration import Registrar
+
+    body = read_mesh(mesh)
+    pairs = read_point_pairs(points, target)
+    found = Registrar(body, materials or DEFAULT_MATERIALS, fixed)(
+        pairs, noise_mm=noise_mm
+    )
+    fields = {
+        "displacement_mm": found.prediction.displacement,
+        "deviation_mm": found.deviation_mm,
+        "force_n": found.forces,
+    }
+    write_prediction(out, body, fields)
+    return found
 
 
 def _save_figure(path: str | Path, figure: Figure) -> None:

@@ -88,3 +88,16 @@ def _placed(image: sitk.Image, grid: ImageGrid) -> sitk.Image:
 def _to_lps(vectors: FloatArray) -> FloatArray:
     lps: FloatArray = vectors * np.diag(RAS_TO_LPS)
     return lps
+
+
+def points_to_ras(points: FloatArray, system: str) -> FloatArray:
+    """Return points given in "RAS" or "LPS" in RAS+.
+
+    Raises
+    ------
+    InputError
+        If the system is another.
+    """
+    if system not in ("RAS", "LPS"):
+        raise InputError(f"coordinates must be in RAS or LPS (got '{system}')")
+    return points if system == "RAS" else _to_lps(points)

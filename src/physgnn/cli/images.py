@@ -1,0 +1,78 @@
+"""The commands that begin or end in images."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from physgnn.cli.console import say, working
+
+Out = Annotated[Path, typer.Option("--out", "-o", help="Where the result goes.")]
+
+
+def warp(
+    image: Annotated[Path, typer.Argument(help="Image at rest, NIfTI.")],
+    prediction: Annotated[Path, typer.Argument(help="Displacement, VTU.")],
+    out: Out,
+    labels: Annotated[
+        bool, typer.Option("--labels", help="The image is a label map.")
+    ] = False,
+    interpolation: Annotated[
+        str | None, typer.Option(help="linear, nearest or cubic.")
+    ] = None,
+    field: Annotated[
+        list[Path] | None,
+        typer.Option(help="Transform for ITK and 3D Slicer, .h5 or .nii.gz."),
+    ] = None,
+    jacobian: Annotated[
+        Path | None, typer.Option(help="Map of the change of volume, NIfTI.")
+    ] = None,
+    slices: Annotated[
+        Path | None, typer.Option(help="Before, after and checkerboard, PNG.")
+    ] = None,
+) -> None:
+    """Deform an image as a prediction says."""
+    from physgnn import image_stages
+
+    with working("warping"):
+        image_stages.warp_image(
+            image,
+            prediction,
+            out,
+            labels=labels,
+            interpolation=interpolation,
+            fields=field or [],
+            jacobian=jacobian,
+            slices=slices,
+            log=say,
+        )
+    print(out)
+
+
+def register(
+    mesh: Annotated[Path, typer.Argument(help="Mesh with the point set fixed, VTU.")],
+    points: Annotated[
+        Path, typer.Option(help="Measured pairs: CSV, .fcsv or .mrk.json.")
+    ],
+    out: Out,
+    target: Annotated[
+        Path | None, typer.Option(help="Markups after the shift, if apart.")
+    ] = None,
+    noise_mm: Annotated[
+        float, typer.Option(help="Deviation of a measured coordinate.")
+    ] = 1.0,
+) -> None:
+    """Find the whole displacement from points measured on the surface."""
+    from physgnn import image_stages
+
+    with working("registering"):
+        found = image_stages.register(
+            mesh, points, out, target=target, noise_mm=noise_mm
+        )
+    estimate = found.prediction.error_estimate_mm
+    bound = "" if estimate is None else f"error {estimate.mean_mm:.2f} mm on average"
+    print(
+        f"{out}: {bound}, misfit {found.misfit_mm:.2f} mm, of points held out "
+        f"{found.held_out_mm:.2f} mm; {found.prediction.seconds:.1f} s; "
+        f"{found.prediction.status}: {found.prediction.status.remedy}"
+    )

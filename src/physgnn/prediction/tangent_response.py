@@ -1,0 +1,74 @@
+"""How a deformed body answers to a little more force: K(u)⁻¹ f."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.assembly import assemble_tangent, make_pattern
+from physgnn.mechanics.element import internal_force, make_elements
+from physgnn.mechanics.linear_solver import make_linear_solver
+from physgnn.mechanics.materials.table import Material
+
+FloatArray = NDArray[np.float64]
+Fields = NDArray[np.float32]
+
+
+class TangentResponse:
+    """Linear elasticity about any state, in equilibrium or not.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    materials : mapping of region label to Material
+    fixed : integer array
+    element : str
+        As in `SolverOptions`.
+    """
+
+    def __init__(
+        self,
+        mesh: TetMesh,
+        materials: Mapping[int, Material],
+        fixed: NDArray[np.int64],
+        element: str,
+    ) -> None:
+        self._elements = make_elements(mesh, materials, element)
+        self._pattern = make_pattern(
+            mesh.cells, mesh.n_points, fixed, self._elements.averaging
+        )
+        # Responses are kept in single precision: so may be their factor.
+        self._linear = make_linear_solver(self._pattern, precision="single")
+
+    def __call__(
+        self, displacement: FloatArray, forces: Fields
+    ) -> tuple[Fields, FloatArray] | None:
+        """Return the answers K(u)⁻¹ f and the way back −K(u)⁻¹ f_int(u), mm.
+
+        Under forces f a Newton step from u is the sum of the two.
+
+        Parameters
+        ----------
+        displacement : (n_points, 3) array
+            u, mm.
+        forces : (k, n_points, 3) array
+            N.
+
+        Returns
+        -------
+        (k, n_points, 3) float32 array, (n_points, 3) array, or None
+            None if a cell is inverted or K(u) not positive definite.
+        """
+        inner, inverted = internal_force(self._elements, displacement)
+        if inverted >= 0:
+            return None
+        data, _ = assemble_tangent(self._elements, self._pattern, displacement)
+        if not self._linear.factorize(data):
+            return None
+        free = self._pattern.free
+        right = np.concatenate([forces[:, free], -inner[None, free]])
+        solved = self._linear.solve(right.reshape(len(right), -1))
+        moved = np.zeros((len(right), *displacement.shape))
+        moved[:, free] = solved.reshape(len(right), -1, 3)
+        return moved[:-1].astype(np.float32), moved[-1]

@@ -1,0 +1,75 @@
+"""The commands for images, as a user types them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshes import block_mesh
+from physgnn.cli import main
+from physgnn.geometry import tetgen_process
+from physgnn.geometry.image import Image, LabelVolume
+from physgnn.io import read_mesh, write_mesh
+from physgnn.io.nifti import read_image, write_image
+
+
+def run(*words: object) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["physgnn", *map(str, words)])
+        try:
+            main()
+        except SystemExit as end:
+            assert end.code == 0, end.code
+
+
+@pytest.mark.skipif(not tetgen_process.available(), reason="needs the tetgen extra")
+def test_a_label_map_becomes_a_mesh(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    x = np.moveaxis(np.indices((26, 26, 26)), 0, -1) * 4.0
+    ball = np.linalg.norm(x - 50, axis=-1) < 40
+    write_image(tmp_path / "seg.nii", LabelVolume(ball * 2, np.diag([4, 4, 4, 1.0])))
+    case = tmp_path / "case.vtu"
+    seg = tmp_path / "seg.nii"
+    run("mesh", seg, "--labels", "brain=2", "--target-points", 1200, "-o", case)
+    volume = ball.sum() * 64
+    assert read_mesh(case).cell_volumes.sum() == pytest.approx(volume, rel=0.02)
+    assert "apart on average" in capsys.readouterr().err
+
+
+def test_measured_points_become_a_deformed_image(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = block_mesh(4, side=80.0)
+    case, csv, out = (tmp_path / name for name in ("case.vtu", "m.csv", "out.vtu"))
+    write_mesh(case, body)
+    top = body.points[body.point_set("loaded")]
+    np.savetxt(csv, np.hstack([top, top - [0, 0, 4]]), delimiter=",")
+    run("register", case, "--points", csv, "--noise-mm", 0.5, "-o", out)
+    assert "misfit" in capsys.readouterr().out
+    x = np.moveaxis(np.indices((30, 30, 30)), 0, -1) * 4.0 - 20.0
+    affine = np.diag([4.0, 4.0, 4.0, 1.0])
+    affine[:3, 3] = -20.0
+    layer = ((x[..., 2] > 40) & (x >= 0).all(-1) & (x <= 80).all(-1)) * 1.0
+    write_image(tmp_path / "t1.nii", Image(layer, affine))
+    moved, transform = tmp_path / "moved.nii", tmp_path / "t.h5"
+    run("warp", tmp_path / "t1.nii", out, "-o", moved, "--field", transform)
+    assert transform.stat().st_size > 1000
+    after = np.asarray(read_image(moved).data)
+    heights = [np.average(x[..., 2], weights=image) for image in (layer, after)]
+    assert heights[1] < heights[0] - 1.0
+
+
+def test_a_mistake_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(AssertionError, match="2"):
+        run(
+            "warp",
+            tmp_path / "absent.nii",
+            tmp_path / "x.vtu",
+            "-o",
+            tmp_path / "y.nii",
+        )
+    said = capsys.readouterr().err
+    assert "no such file" in said and "Traceback" not in said
