@@ -15,12 +15,14 @@ from physgnn.serving.engine import Engine
 from physgnn.serving.serve import listen
 from physgnn.serving.viewed import Viewed
 
+WAIT = 120.0  # kernels may have to be compiled, on a busy machine
+
 
 def get(address: Address, path: str, host: str | None = None) -> tuple[int, bytes]:
     headers = {} if host is None else {"Host": host}
     try:
         request = urllib.request.Request(address.page + path, headers=headers)
-        with urllib.request.urlopen(request, timeout=10) as reply:
+        with urllib.request.urlopen(request, timeout=WAIT) as reply:
             return reply.status, reply.read()
     except urllib.error.HTTPError as error:
         with error:
@@ -32,7 +34,7 @@ def post(address: Address, content: str) -> tuple[int, dict]:
         address.page + "/load-case", data=content.encode(), method="POST"
     )
     try:
-        with urllib.request.urlopen(request, timeout=10) as reply:
+        with urllib.request.urlopen(request, timeout=WAIT) as reply:
             return reply.status, json.loads(reply.read())
     except urllib.error.HTTPError as error:
         with error:
@@ -87,7 +89,7 @@ def test_other_names_and_other_pages_are_turned_away(address: Address) -> None:
     with pytest.raises(InvalidStatus, match="403"):
         connect(address.live, origin="http://evil.example")
     with connect(address.live, origin=address.page) as socket:
-        assert isinstance(socket.recv(timeout=10), bytes)
+        assert isinstance(socket.recv(timeout=WAIT), bytes)
 
 
 def test_a_port_that_is_taken_is_one_clear_line() -> None:

@@ -6,6 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TypeVar
 
+import torch
+
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Prediction
 from physgnn.serving.image import Image
@@ -44,7 +46,11 @@ class Engine:
         self.shown = Shown.of(viewed.body.mesh)
         self.listeners: list[Callable[[Prediction], None]] = []
         self._refiner = Refiner(viewed.body)
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="predict")
+        # One thread for torch as well: OpenMP counts them for each thread apart, a
+        # network this small gains nothing from more, and the browser needs a core.
+        self._thread = ThreadPoolExecutor(
+            1, "predict", initializer=torch.set_num_threads, initargs=(1,)
+        )
 
     async def work(self, job: Callable[[], T]) -> T:
         """Run a job in the predictors' thread."""

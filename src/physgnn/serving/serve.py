@@ -4,7 +4,6 @@ import socket
 from collections.abc import Callable
 from pathlib import Path
 
-import torch
 import uvicorn
 
 from physgnn.errors import InputError
@@ -51,8 +50,6 @@ def serve(
         If there is nothing to show at the path, or a port is taken.
     """
     listening = listen(port)
-    # A network this small gains nothing from more, and the browser needs a core.
-    torch.set_num_threads(1)
     engine = Engine(view(path), None if image is None else read_image(image))
     beside = []
     if igtl is not None:
