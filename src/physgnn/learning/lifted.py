@@ -78,7 +78,8 @@ class LiftedModel(Model):
         n = body.mesh.n_points
         free = np.ones((n, 1))
         free[body.fixed] = 0.0
-        axes = body_axes(body.mesh)
+        # In float64 for the mechanics; the buffer beside it is the network's.
+        self._axes64 = axes = body_axes(body.mesh)
         self._turned = _turned(body, axes)
         self.register_buffer("axes", as_float32(axes), persistent=False)
         self.register_buffer("free", as_float32(free), persistent=False)
@@ -109,7 +110,7 @@ class LiftedModel(Model):
 
     def fit(self, store: Store, samples: IntArray) -> None:
         """Find the anchors, the points near loads, and the modes."""
-        axes = self._axes64()
+        axes = self._axes64
         forces = sample_forces(store, samples)
         loaded = np.flatnonzero(forces.any(axis=(0, 2)))
         self.near.copy_(torch.from_numpy(points_within(store.mesh, loaded, self.reach)))
@@ -143,7 +144,7 @@ class LiftedModel(Model):
         (n_points, 12) float32 tensor
             mm and N.
         """
-        force = load_case.on_points(self.body.mesh.n_points) @ self._axes64().T
+        force = load_case.on_points(self.body.mesh.n_points) @ self._axes64.T
         terms = self.perturbation.expand(force)
         return as_float32(
             np.column_stack([terms.displacement, terms.first, terms.second, force])
@@ -174,9 +175,6 @@ class LiftedModel(Model):
             patch = Patch.of(self._turned, self.near.cpu().numpy())
             self._patch = patch.to(device)
         return self._patch
-
-    def _axes64(self) -> FloatArray:
-        return body_axes(self.body.mesh)
 
 
 def _forget(model: nn.Module, _: object) -> None:
