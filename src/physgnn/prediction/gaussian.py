@@ -2,7 +2,9 @@
 
 d = A w + ε, w ~ N(0, Λ), ε ~ N(0, σ² I); Λ has one variance for each family of
 coefficients, chosen by marginal likelihood (Rasmussen & Williams, *Gaussian Processes
-for Machine Learning*, 2006, sections 2.1, 5.4.1 and 5.4.2).
+for Machine Learning*, 2006, sections 2.1, 5.4.1 and 5.4.2) with a log-normal prior
+about the size of the data: without it, families that a few points need not be explained
+by vanish, and with them the uncertainty far from the points.
 """
 
 from dataclasses import dataclass
@@ -14,8 +16,8 @@ from scipy.optimize import minimize
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Standard deviations of a family, mm: none to more than any brain shifts.
-SMALLEST, LARGEST = 1e-2, 50.0
+# Of the logarithm of a family's standard deviation: a factor of two, either way.
+HYPER_DEVIATION = float(np.log(2.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,23 +60,24 @@ def choose_variances(
     noise : float
         σ, > 0, in the unit of d.
     """
+    middle = np.log(max(float(np.sqrt((d**2).mean())), noise))
     members = [A[:, family == i] for i in range(int(family.max()) + 1)]
     shares = np.stack([part @ part.T for part in members])
 
     def cost(log_deviations: FloatArray) -> tuple[float, FloatArray]:
-        """Return −log p(d) up to a constant, and its gradient."""
+        """Return −log of the posterior up to a constant, and its gradient."""
         variances = np.exp(2 * log_deviations)
         inverse = np.linalg.inv(_with_noise(np.tensordot(variances, shares, 1), noise))
         alpha = inverse @ d
         _, log_det = np.linalg.slogdet(inverse)
         slope = np.einsum("ij,kij->k", inverse, shares)
         slope -= np.einsum("i,kij,j->k", alpha, shares, alpha)
-        return float(d @ alpha - log_det) / 2, variances * slope
+        far = (log_deviations - middle) / HYPER_DEVIATION
+        total = float(d @ alpha - log_det + far @ far) / 2
+        return total, variances * slope + far / HYPER_DEVIATION
 
-    bounds = [(np.log(SMALLEST), np.log(LARGEST))] * len(shares)
-    found = minimize(
-        cost, np.zeros(len(shares)), jac=True, method="L-BFGS-B", bounds=bounds
-    )
+    start = np.full(len(shares), middle)
+    found = minimize(cost, start, jac=True, method="L-BFGS-B")
     prior: FloatArray = np.exp(2 * found.x)[family]
     return prior
 
