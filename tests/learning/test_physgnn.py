@@ -52,7 +52,11 @@ def test_gradients_equal_pytorch_geometric(
     reference.on(double, x).square().sum().backward()
     expected = reference.our_gradients()
     for name, parameter in ours.named_parameters():
-        torch.testing.assert_close(parameter.grad, expected[name], rtol=1e-8, atol=1e-8)
+        # Entries are sums over points that cancel: the largest sets the rounding.
+        scale = float(expected[name].abs().max())
+        torch.testing.assert_close(
+            parameter.grad, expected[name], rtol=0, atol=1e-9 * scale + 1e-12
+        )
 
 
 def test_size_as_published() -> None:

@@ -50,10 +50,11 @@ class JumpingKnowledge(nn.Module):
         return mean.view(layers[0].shape)
 
     def _scores(self, rows: Sequence[Tensor], weights: Weights) -> Tensor:
-        if not torch.is_grad_enabled():
+        given = rows[0].dtype
+        if self.precision != torch.float32 and not torch.is_grad_enabled():
             rows = [row.to(self.precision) for row in rows]
             weights = Weights(*(weight.to(self.precision) for weight in weights))
-        return lstm_scores(rows, weights, keep=self.keep_states).float()
+        return lstm_scores(rows, weights, keep=self.keep_states).to(given)
 
     def _weights(self) -> tuple[Weights, Weights]:
         """Return both directions' weights, gates in the order they are computed in."""

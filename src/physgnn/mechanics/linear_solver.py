@@ -25,6 +25,7 @@ Precision = Literal["single", "double"]
 _ANALYSE, _FACTORISE, _SOLVE, _RELEASE = 11, 22, 33, -1
 _POSITIVE_DEFINITE, _INDEFINITE = 2, -2
 _NOT_POSITIVE = -4
+_CBWR_AUTO, _CBWR_STRICT = 2, 0x10000  # mkl_types.h: conditional reproducibility
 
 
 class LinearSolver(Protocol):
@@ -53,7 +54,10 @@ def _mkl() -> Any:
         from pypardiso import PyPardisoSolver
     except ImportError:
         return None
-    return ctypes.CDLL(PyPardisoSolver().libmkl._name)
+    mkl = ctypes.CDLL(PyPardisoSolver().libmkl._name)
+    # Otherwise the last bits depend on where in memory arrays happen to lie.
+    mkl.MKL_CBWR_Set(_CBWR_AUTO | _CBWR_STRICT)
+    return mkl
 
 
 class PardisoSolver:
