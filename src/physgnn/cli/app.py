@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from physgnn import stages
-from physgnn.cli import exchange, experiments, images
+from physgnn.cli import answers, exchange, experiments, images
 from physgnn.cli.console import progress, say, working
 from physgnn.cli.view import view
 from physgnn.errors import InputError
@@ -250,82 +250,12 @@ def train(
     )
 
 
-@app.command()
-def evaluate(
-    run: Run,
-    split: Annotated[str, typer.Option(help="path, node or published.")] = "path",
-    store: Annotated[
-        Path | None, typer.Option(help="Dataset; by default the one trained on.")
-    ] = None,
-) -> None:
-    """Measure a trained network on held-out samples: tables, figures, report."""
-    data = stages.store_of(run) if store is None else store
-    with progress("evaluating") as move:
-        from physgnn.evaluation.run import evaluate_run
-        from physgnn.evaluation.tables import accuracy_table
-
-        command = stages.command_line()
-        report = evaluate_run(run, data, split, command=command, progress=move)
-    print(accuracy_table(report).text())
-    print(f"\nreport: {run / f'evaluation-{split}' / 'report.html'}")
-
-
-@app.command()
-def predict(
-    run: Run,
-    load: Annotated[Path, typer.Option(help="Load case, JSON.")],
-    out: Out,
-    tolerance_mm: Annotated[
-        float | None, typer.Option(help="Solve instead if the error may exceed this.")
-    ] = None,
-    linear: Annotated[
-        bool, typer.Option("--linear", help="Write the linear solution too.")
-    ] = False,
-) -> None:
-    """Predict the displacement under one load case."""
-    with working("predicting"):
-        answer = stages.predict(
-            run, load, out, tolerance_mm=tolerance_mm, linear=linear
-        )
-    largest = (answer.displacement**2).sum(axis=1).max() ** 0.5
-    estimate = answer.error_estimate_mm
-    bound = "" if estimate is None else f", error at most {estimate.max_mm:.2g} mm"
-    chance = "" if estimate is None else f" ({estimate.coverage:.0%} of cases)"
-    print(
-        f"{out}: largest displacement {largest:.2f} mm{bound}{chance}, "
-        f"{1e3 * answer.seconds:.1f} ms; {answer.status}: {answer.status.remedy}"
-    )
-
-
-@app.command()
-def published(
-    weights: Annotated[Path, typer.Argument(help="Published state dict, .pt.")],
-    golden: Annotated[Path, typer.Option(help="Stored forward pass, .npz.")],
-    configuration: Annotated[int, typer.Option(help="1 to 12.")] = 3,
-    dataset: Annotated[int, typer.Option(help="1 or 2.")] = 2,
-) -> None:
-    """Load published weights and compare with a stored forward pass."""
-    with working("comparing"):
-        difference = stages.published_difference(
-            weights, golden, configuration=configuration, dataset=dataset
-        )
-    print(f"largest difference over all points: {difference:.3g} mm")
-
-
-@app.command()
-def demo(
-    folder: Annotated[Path, typer.Argument(help="Where everything goes.")] = Path(
-        "demo"
-    ),
-) -> None:
-    """Go from the bundled brain to a report; call again to resume."""
-    from physgnn.demo import run_demo
-
-    print(run_demo(folder, show=progress, log=say))
-
-
+app.command()(answers.evaluate)
+app.command()(answers.predict)
 app.command("export")(exchange.export)
 app.command("import")(exchange.import_)
+app.command()(experiments.demo)
+app.command()(experiments.published)
 app.command()(experiments.reproduce)
 app.command()(experiments.ablate)
 app.command()(images.warp)

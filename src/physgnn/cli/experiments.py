@@ -1,11 +1,12 @@
-"""The commands that repeat the published experiments."""
+"""The commands that run whole experiments: the demonstration and the published ones."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from physgnn.cli.console import progress, say
+from physgnn import stages
+from physgnn.cli.console import progress, say, working
 from physgnn.errors import InputError
 
 Out = Annotated[Path, typer.Option("--out", "-o", help="Folder for everything.")]
@@ -57,3 +58,28 @@ def ablate(
             ablate(stores, Ablation(epochs, samples, seeds, split), out, progress=move)
         )
     print(out / "ablation.png")
+
+
+def published(
+    weights: Annotated[Path, typer.Argument(help="Published state dict, .pt.")],
+    golden: Annotated[Path, typer.Option(help="Stored forward pass, .npz.")],
+    configuration: Annotated[int, typer.Option(help="1 to 12.")] = 3,
+    dataset: Annotated[int, typer.Option(help="1 or 2.")] = 2,
+) -> None:
+    """Load published weights and compare with a stored forward pass."""
+    with working("comparing"):
+        difference = stages.published_difference(
+            weights, golden, configuration=configuration, dataset=dataset
+        )
+    print(f"largest difference over all points: {difference:.3g} mm")
+
+
+def demo(
+    folder: Annotated[Path, typer.Argument(help="Where everything goes.")] = Path(
+        "demo"
+    ),
+) -> None:
+    """Go from the bundled brain to a report; call again to resume."""
+    from physgnn.demo import run_demo
+
+    print(run_demo(folder, show=progress, log=say))

@@ -1,0 +1,59 @@
+"""The commands that ask a trained network: how good is it, and what does it say."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from physgnn import stages
+from physgnn.cli.console import progress, working
+
+Run = Annotated[Path, typer.Argument(help="Folder of a trained model.")]
+
+
+Out = Annotated[Path, typer.Option("--out", "-o", help="Where the result goes.")]
+
+
+def evaluate(
+    run: Run,
+    split: Annotated[str, typer.Option(help="path, node or published.")] = "path",
+    store: Annotated[
+        Path | None, typer.Option(help="Dataset; by default the one trained on.")
+    ] = None,
+) -> None:
+    """Measure a trained network on held-out samples: tables, figures, report."""
+    data = stages.store_of(run) if store is None else store
+    with progress("evaluating") as move:
+        from physgnn.evaluation.run import evaluate_run
+        from physgnn.evaluation.tables import accuracy_table
+
+        command = stages.command_line()
+        report = evaluate_run(run, data, split, command=command, progress=move)
+    print(accuracy_table(report).text())
+    print(f"\nreport: {run / f'evaluation-{split}' / 'report.html'}")
+
+
+def predict(
+    run: Run,
+    load: Annotated[Path, typer.Option(help="Load case, JSON.")],
+    out: Out,
+    tolerance_mm: Annotated[
+        float | None, typer.Option(help="Solve instead if the error may exceed this.")
+    ] = None,
+    linear: Annotated[
+        bool, typer.Option("--linear", help="Write the linear solution too.")
+    ] = False,
+) -> None:
+    """Predict the displacement under one load case."""
+    with working("predicting"):
+        answer = stages.predict(
+            run, load, out, tolerance_mm=tolerance_mm, linear=linear
+        )
+    largest = (answer.displacement**2).sum(axis=1).max() ** 0.5
+    estimate = answer.error_estimate_mm
+    bound = "" if estimate is None else f", error at most {estimate.max_mm:.2g} mm"
+    chance = "" if estimate is None else f" ({estimate.coverage:.0%} of cases)"
+    print(
+        f"{out}: largest displacement {largest:.2f} mm{bound}{chance}, "
+        f"{1e3 * answer.seconds:.1f} ms; {answer.status}: {answer.status.remedy}"
+    )
