@@ -119,10 +119,8 @@ class Store:
         mesh: TetMesh,
         paths: Sequence[LoadPath],
         *,
-        materials: Mapping[int, Material],
-        fixed: NDArray[np.int64],
         provenance: Mapping[str, Any],
-        element: str = DEFAULT_ELEMENT,
+        **body: Any,
     ) -> Self:
         """Open the store if there is one that asks just this, or make it.
 
@@ -134,18 +132,9 @@ class Store:
             If the folder holds something else, or a store that asks something else.
         """
         if not Path(path).exists():
-            return cls.create(
-                path,
-                mesh,
-                paths,
-                materials=materials,
-                fixed=fixed,
-                provenance=provenance,
-                element=element,
-            )
+            return cls.create(path, mesh, paths, provenance=provenance, **body)
         store = cls(path)
-        asked = Definition(mesh, paths, materials, fixed, element)
-        if store.definition_hash != asked.digest:
+        if store.definition_hash != Definition(mesh, paths, **body).digest:
             raise InputError(
                 f"store {path} was made for another mesh, load, material or element: "
                 "name another, or delete it"
