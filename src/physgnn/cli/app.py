@@ -105,7 +105,7 @@ def mesh(
                 **common,
             )
         else:
-            from physgnn.image_stages import mesh_segmentation
+            from physgnn.stages.segmentation import mesh_segmentation
 
             made = mesh_segmentation(
                 segmentation,

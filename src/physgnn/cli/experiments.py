@@ -26,7 +26,7 @@ def reproduce(
     ] = None,
 ) -> None:
     """Repeat the published protocol beside the paper's tables; call to resume."""
-    from physgnn.reproduction import Reproduction, reproduce
+    from physgnn.stages.reproduction import Reproduction, reproduce
 
     what = Reproduction(dataset, budget_hours, brain, tuple(tumour or ()))
     if brain is None:
@@ -47,7 +47,7 @@ def ablate(
     split: Annotated[str, typer.Option(help="path, node or published.")] = "published",
 ) -> None:
     """Compare configurations 1 to 12 at a reduced budget; call again to resume."""
-    from physgnn.ablation import Ablation, ablate
+    from physgnn.stages.ablation import Ablation, ablate
 
     given = {1: dataset_1, 2: dataset_2}
     stores = {number: path for number, path in given.items() if path is not None}
@@ -80,6 +80,6 @@ def demo(
     ),
 ) -> None:
     """Go from the bundled brain to a report; call again to resume."""
-    from physgnn.demo import run_demo
+    from physgnn.stages.demo import run_demo
 
     print(run_demo(folder, show=progress, log=say))

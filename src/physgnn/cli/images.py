@@ -32,10 +32,10 @@ def warp(
     ] = None,
 ) -> None:
     """Deform an image as a prediction says."""
-    from physgnn import image_stages
+    from physgnn.stages.warping import warp_image
 
     with working("warping"):
-        image_stages.warp_image(
+        warp_image(
             image,
             prediction,
             out,
@@ -63,10 +63,10 @@ def register(
     ] = 1.0,
 ) -> None:
     """Find the whole displacement from points measured on the surface."""
-    from physgnn import image_stages
+    from physgnn.stages import registration
 
     with working("registering"):
-        found = image_stages.register(
+        found = registration.register(
             mesh, points, out, target=target, noise_mm=noise_mm
         )
     estimate = found.prediction.error_estimate_mm

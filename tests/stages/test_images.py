@@ -9,10 +9,12 @@ from physgnn.errors import InputError
 from physgnn.geometry import tetgen_process
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.image_stages import mesh_segmentation, register, warp_image
 from physgnn.io import write_mesh, write_prediction
 from physgnn.io.nifti import read_image, read_segmentation, write_image
 from physgnn.io.prediction_file import read_displacement
+from physgnn.stages.registration import register
+from physgnn.stages.segmentation import mesh_segmentation
+from physgnn.stages.warping import warp_image
 
 needs_tetgen = pytest.mark.skipif(
     not tetgen_process.available(), reason="meshing needs the tetgen extra"

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from physgnn import demo
 from physgnn.dataset import PRESETS
 from physgnn.progress import Progress
+from physgnn.stages import demo
 
 
 @contextmanager

@@ -9,15 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from physgnn import reproduction, stages
-from physgnn.ablation import Ablation, ablate
+from physgnn import stages
 from physgnn.dataset import PRESETS, Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh
 from physgnn.mechanics.load_paths import cone_paths
 from physgnn.progress import Progress
-from physgnn.reproduction import Reproduction, reproduce
+from physgnn.stages import reproduction
+from physgnn.stages.ablation import Ablation, ablate
+from physgnn.stages.reproduction import Reproduction, reproduce
 
 
 @contextmanager
