@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from physgnn.dataset import layout
 from physgnn.dataset.load_records import distinct, to_record
+from physgnn.dataset.result_rows import result_arrays
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loading import Loading
@@ -101,7 +102,7 @@ class Definition:
             more["loads/more_of_path"] = of_path
         for name, value in {**self._arrays(), **more}.items():
             layout.put_array(group, name, value)
-        rows = layout.result_arrays(self.paths[0].n_levels, self.mesh.n_points)
+        rows = result_arrays(self.paths[0].n_levels, self.mesh.n_points)
         for name, (shape, dtype, fill) in rows.items():
             of_all = (len(self.paths), *shape)
             layout.put_rows(group, f"result/{name}", of_all, dtype, fill)

@@ -14,11 +14,9 @@ import zarr
 from zarr.codecs import BloscCodec, Crc32cCodec
 
 from physgnn.errors import InputError
-from physgnn.mechanics.solution import Status
 
 FORMAT = "physgnn-dataset"
 VERSION = 1
-MESSAGE_BYTES = 256
 
 # Measured on FEBio's 30-level answers (3.40 MB a path raw): 2.72 MB, 3.5 ms to read,
 # 32 ms to write; bit shuffle, lz4 and lower levels are all larger and none reads faster
@@ -27,25 +25,6 @@ CODECS = (
     BloscCodec(cname="zstd", clevel=5, shuffle="shuffle", typesize=4),
     Crc32cCodec(),
 )
-
-
-def result_arrays(
-    n_levels: int, n_points: int
-) -> dict[str, tuple[tuple[int, ...], str, float]]:
-    """Return row shape, type and fill value of every array that has a row a path.
-
-    The order is the order of writing: a path counts as done once its status row is
-    there, so a run killed before that leaves the path pending.
-    """
-    return {
-        "displacement": ((n_levels, n_points, 3), "float32", np.nan),
-        "residual": ((n_levels,), "float32", np.nan),
-        "seconds": ((), "float64", np.nan),
-        "reached": ((), "float64", np.nan),
-        "message": ((MESSAGE_BYTES,), "uint8", 0),
-        "digest": ((32,), "uint8", 0),
-        "status": ((n_levels,), "int8", int(Status.NOT_SOLVED)),
-    }
 
 
 def put_array(group: zarr.Group, name: str, value: np.ndarray[Any, Any]) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from physgnn.dataset import layout
 from physgnn.dataset.definition import DEFAULT_ELEMENT, Definition
 from physgnn.dataset.load_records import from_record, kind_of
+from physgnn.dataset.result_rows import encoded
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads import Load, LoadCase, LoadPath
@@ -195,11 +196,10 @@ class Store:
         records = self._attributes.get("more_loads", [])
         if not records:
             return [], np.empty((self.n_paths, 0), dtype=np.int32)
-        loads = [
-            from_record(record, layout.read_all(self._group, f"loads/more/{k}"))
-            for k, record in enumerate(records)
-        ]
-        return loads, self._read("loads/more_of_path")
+        arrays = (
+            layout.read_all(self._group, f"loads/more/{k}") for k in range(len(records))
+        )
+        return list(map(from_record, records, arrays)), self._read("loads/more_of_path")
 
     def load_path(self, i: int) -> LoadPath:
         """Return load path ``i`` with all its loads."""
@@ -276,23 +276,8 @@ class Store:
 
     def write(self, i: int, solution: Solution) -> None:
         """Store the solution of path ``i``; its status goes last."""
-        displacement = solution.displacement.astype(np.float32)
-        status = solution.status.astype(np.int8)
-        message = solution.message.encode()[: layout.MESSAGE_BYTES]
-        message = message.decode(errors="ignore").encode()  # no half character
-        values: dict[str, Any] = {
-            "displacement": displacement,
-            "residual": solution.residual,
-            "seconds": solution.seconds,
-            "reached": solution.reached,
-            "message": np.frombuffer(message.ljust(layout.MESSAGE_BYTES, b"\0"), "u1"),
-            "digest": np.frombuffer(
-                bytes.fromhex(layout.digest_of(displacement, status)), "u1"
-            ),
-            "status": status,
-        }
-        for name in layout.result_arrays(self.n_levels, displacement.shape[1]):
-            self._group[f"result/{name}"][i] = values[name]  # type: ignore[index]
+        for name, row in encoded(solution).items():
+            self._group[f"result/{name}"][i] = row  # type: ignore[index]
 
     def pending(self) -> NDArray[np.int64]:
         """Return the paths without a result."""
