@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from physgnn.dataset import layout
 from physgnn.dataset.definition import DEFAULT_ELEMENT, Definition
-from physgnn.dataset.load_records import from_record, kind_of
+from physgnn.dataset.load_records import kind_of
 from physgnn.dataset.result_rows import encoded
+from physgnn.dataset.stored_paths import StoredPaths
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.loads import Load, LoadCase, LoadPath
+from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials import Material, material_from_config
 from physgnn.mechanics.solution import Solution, Status
 
@@ -187,27 +188,12 @@ class Store:
         return dict(self._attributes["provenance"])
 
     @cached_property
-    def _loads(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        return self._read("loads/nodes"), self._read("loads/forces")
-
-    @cached_property
-    def _more(self) -> tuple[list[Load], NDArray[np.int32]]:
-        """All loads beside nodal forces, and which of them every path has."""
-        records = self._attributes.get("more_loads", [])
-        if not records:
-            return [], np.empty((self.n_paths, 0), dtype=np.int32)
-        arrays = (
-            layout.read_all(self._group, f"loads/more/{k}") for k in range(len(records))
-        )
-        return list(map(from_record, records, arrays)), self._read("loads/more_of_path")
+    def _load_paths(self) -> StoredPaths:
+        return StoredPaths.read(self._group, self.load_factors)
 
     def load_path(self, i: int) -> LoadPath:
         """Return load path ``i`` with all its loads."""
-        nodes, forces = self._loads
-        used = nodes[i] >= 0
-        loads, of_path = self._more
-        more = tuple(loads[k] for k in of_path[i] if k >= 0)
-        return LoadPath(nodes[i][used], forces[i][used], self.load_factors, more)
+        return self._load_paths[i]
 
     def load_case(self, i: int, level: int) -> LoadCase:
         """Return the load case of path ``i`` at a 0-based level.
