@@ -144,3 +144,14 @@ def test_no_such_path(solved: Store, tmp_path: Path) -> None:
         export_febio(solved.path, tmp_path / "a.feb", path=3)
     with pytest.raises(InputError, match="a mesh needs --preset or --loads"):
         export_febio(solved.path, tmp_path / "a.feb", preset="paper-1")
+
+
+def test_the_element_is_recorded(solved: Store, tmp_path: Path) -> None:
+    export_arrays(solved.path, tmp_path / "a.npz")
+    imported = import_results(
+        [tmp_path / "a.npz"], tmp_path / "b.zarr", element="tet4-averaged"
+    )
+    assert imported.element == "tet4-averaged"
+    with pytest.raises(InputError, match="element"):
+        import_results([tmp_path / "a.npz"], tmp_path / "c.zarr", element="hex8")
+    assert not (tmp_path / "c.zarr").exists()

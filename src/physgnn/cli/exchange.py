@@ -59,6 +59,9 @@ def import_(
         Path | None,
         typer.Option(help="TOML with [materials]; FEBio models tell their own."),
     ] = None,
+    element: Annotated[
+        str, typer.Option(help="The finite element they stand for.")
+    ] = "tet4",
 ) -> None:
     """Make a dataset of another solver's results."""
     from physgnn.config import read_materials
@@ -66,7 +69,9 @@ def import_(
 
     chosen = read_materials(materials)
     with progress("importing") as move:
-        store = import_results(sources, out, materials=chosen, progress=move)
+        store = import_results(
+            sources, out, materials=chosen, element=element, progress=move
+        )
     print(
         f"{out}: {store.n_paths} load paths of {store.n_levels} levels, "
         f"{len(store.samples())} levels converged"

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
@@ -56,6 +57,7 @@ def import_results(
     store: str | Path,
     *,
     materials: Mapping[int, Material] = BRAIN_AND_TUMOUR,
+    element: str = DEFAULT_ELEMENT,
     progress: Progress | None = None,
 ) -> Store:
     """Make a store of other solvers' results.
@@ -68,6 +70,9 @@ def import_results(
         A folder that does not exist yet.
     materials : mapping of region to Material
         For sources that do not tell theirs.
+    element : str
+        As in `physgnn.mechanics.SolverOptions`: what repairs and error bounds of
+        networks trained on the results compute with.
     progress : callable, optional
         Told the load paths done, in all, and where the last came from.
 
@@ -93,6 +98,7 @@ def import_results(
             [LoadPath(s.load_path.nodes, s.load_path.forces, longest) for s in found],
             materials=found[0].materials or materials,
             fixed=found[0].fixed,
+            element=element,
             provenance={
                 "solver": "imported",
                 "imported_from": [str(source) for source in sources],
