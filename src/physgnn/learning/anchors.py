@@ -8,7 +8,7 @@ from physgnn.learning.interface import Body
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solution import Status
-from physgnn.mechanics.solver import Solver
+from physgnn.mechanics.solver import Solver, SolverOptions
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -37,7 +37,8 @@ def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatAr
     """
     mean = forces.mean(axis=0)
     mean[body.fixed] = 0.0
-    answer = RestState(body.mesh, body.materials, body.fixed).solve(mean)
+    rest = RestState(body.mesh, body.materials, body.fixed, element=body.element)
+    answer = rest.solve(mean)
     work = float((mean * answer).sum())
     if n_anchors == 0 or work == 0.0:
         return np.zeros((n_anchors, *mean.shape))
@@ -45,7 +46,9 @@ def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatAr
     nodes = np.flatnonzero(mean.any(axis=1))
     steps = np.arange(1, n_anchors + 1) / n_anchors
     path = LoadPath(nodes, largest * mean[nodes], steps)
-    solution = Solver(body.mesh, body.materials, body.fixed).solve(path)
+    options = SolverOptions(element=body.element)
+    solver = Solver(body.mesh, body.materials, body.fixed, options=options)
+    solution = solver.solve(path)
     reached = np.flatnonzero(solution.status == Status.CONVERGED)
     if len(reached) == 0:
         return np.zeros((n_anchors, *mean.shape))

@@ -38,6 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
@@ -60,6 +61,8 @@ class Body:
         The material of every region the mesh has.
     fixed : (n_fixed,) integer array
         Points that can't move.
+    element : str
+        As in `physgnn.mechanics.SolverOptions`.
 
     Raises
     ------
@@ -70,6 +73,7 @@ class Body:
     mesh: TetMesh
     materials: Mapping[int, Material]
     fixed: IntArray
+    element: str = DEFAULT_ELEMENT
 
     def __post_init__(self) -> None:
         fixed = np.asarray(self.fixed, dtype=np.int64).ravel()

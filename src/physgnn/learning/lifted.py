@@ -144,11 +144,18 @@ class LiftedModel(Model):
         (n_points, 12) float32 tensor
             mm and N.
         """
-        force = load_case.on_points(self.body.mesh.n_points) @ self._axes64.T
+        force = self._force(load_case)
         terms = self.perturbation.expand(force)
         return as_float32(
             np.column_stack([terms.displacement, terms.first, terms.second, force])
         )
+
+    def linear(self, load_case: LoadCase) -> FloatArray:
+        """Return K₀⁻¹ f, (n_points, 3) mm, in the world's axes, by kept columns."""
+        return self.perturbation.linear(self._force(load_case)) @ self._axes64
+
+    def _force(self, load_case: LoadCase) -> FloatArray:
+        return load_case.on_points(self.body.mesh.n_points) @ self._axes64.T
 
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:  # noqa: ARG002
         """Return displacement in mm, (batch, n_points, 3), in the world's axes."""

@@ -12,18 +12,23 @@ rest, so a few equilibria under their mean load, the anchors, serve all of them.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.errors import InputError
 from physgnn.learning.interface import Body
-from physgnn.mechanics.assembly import assemble_tangent, make_pattern
-from physgnn.mechanics.element import internal_force, make_elements
+from physgnn.learning.point_responses import PointResponses
+from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
+from physgnn.mechanics.element import Elements, internal_force, make_elements
 from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
-from physgnn.mechanics.second_variation import second_variation
+from physgnn.mechanics.second_variation import SecondVariation
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+ROUNDING = 1e-3  # of the largest nodal force of an anchor: less is on no loaded point
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +57,9 @@ class Perturbation:
     """Expands loads on one body about its rest state or an anchor.
 
     An anchor needs no load of its own: it is in equilibrium with whatever its internal
-    force is. Each is factorised when first used and its factor kept (single precision,
-    ~80 MB for 9000 points).
+    force is. Each is factorised when first used, and kept with its factor (single
+    precision, ~80 MB for 9000 points) and its answers to loads on the points where the
+    anchors' own loads act.
 
     Parameters
     ----------
@@ -66,26 +72,36 @@ class Perturbation:
     """
 
     def __init__(self, body: Body, anchors: FloatArray, *, threads: int = 1) -> None:
-        self._elements = make_elements(body.mesh, body.materials)
-        self._pattern = make_pattern(body.mesh.cells, body.mesh.n_points, body.fixed)
-        self._threads = threads
+        elements = make_elements(body.mesh, body.materials, body.element)
+        system = _System(
+            elements,
+            make_pattern(
+                body.mesh.cells, body.mesh.n_points, body.fixed, elements.averaging
+            ),
+            threads,
+        )
         rest = np.zeros((1, *body.mesh.points.shape))
-        self._anchors = np.concatenate([rest, np.asarray(anchors, dtype=np.float64)])
-        self._loads = np.stack([self._internal(u) for u in self._anchors])
-        self._factors: dict[int, LinearSolver] = {}
-        self._linear = np.stack([self.linear(load) for load in self._loads])
+        states = np.concatenate([rest, np.asarray(anchors, dtype=np.float64)])
+        self._loads = np.stack([system.internal(u) for u in states])
+        nodes = _loaded(self._loads[:, system.pattern.free])
+        self._about = [
+            _Equilibrium(system, u, load, system.pattern.free[nodes])
+            for u, load in zip(states, self._loads, strict=True)
+        ]
+        self._linear = np.stack([self._about[0].solve(load) for load in self._loads])
         self._self_work = np.einsum("kni,kni->k", self._loads, self._linear)
 
     def linear(self, force: FloatArray) -> FloatArray:
         """Return K₀⁻¹ f, (n_points, 3) mm, for a force field (n_points, 3) in N."""
-        return self._solve(0, force)
+        return self._about[0].first(force)
 
     def nearest(self, force: FloatArray) -> int:
         """Return the anchor whose load is nearest in energy, 0 being the rest state.
 
         The distance is (f − f̄)·K₀⁻¹(f − f̄); its part f·K₀⁻¹f is the same for all.
         """
-        work = np.tensordot(self._linear, force, axes=2)
+        loaded = np.flatnonzero(force.any(axis=1))
+        work = np.einsum("kni,ni->k", self._linear[:, loaded], force[loaded])
         return int(np.argmin(self._self_work - 2 * work))
 
     def expand(self, force: FloatArray) -> Expansion:
@@ -96,34 +112,79 @@ class Perturbation:
         force : (n_points, 3) array
             N; what acts on fixed points goes into the support.
         """
-        k = self.nearest(force)
-        first = self._solve(k, force - self._loads[k])
-        curved, _ = second_variation(self._elements, self._anchors[k], first)
-        second = self._solve(k, -0.5 * curved)
-        return Expansion(self._anchors[k], first, second)
+        about = self._about[self.nearest(force)]
+        first = about.first(force)
+        return Expansion(about.u, first, about.second(first))
 
-    def _internal(self, u: FloatArray) -> FloatArray:
-        force, inverted = internal_force(self._elements, u)
+
+@dataclass(frozen=True, eq=False)
+class _System:
+    """What all equilibria of one body share."""
+
+    elements: Elements
+    pattern: Pattern
+    threads: int
+
+    def internal(self, u: FloatArray) -> FloatArray:
+        force, inverted = internal_force(self.elements, u)
         if inverted >= 0:
             raise InputError(f"cell {inverted} is inverted in an anchor: train again")
         return force
 
-    def _solve(self, k: int, force: FloatArray) -> FloatArray:
-        if k not in self._factors:
-            self._factors[k] = self._factorize(k)
-        free = self._pattern.free
-        u = np.zeros_like(force)
-        u[free] = self._factors[k].solve(force[free].ravel()).reshape(-1, 3)
-        return u
-
-    def _factorize(self, k: int) -> LinearSolver:
+    def factorized(self, u: FloatArray) -> LinearSolver:
         solver = make_linear_solver(
-            self._pattern, precision="single", threads=self._threads
+            self.pattern, precision="single", threads=self.threads
         )
-        data, _ = assemble_tangent(self._elements, self._pattern, self._anchors[k])
+        data, _ = assemble_tangent(self.elements, self.pattern, u)
         if not solver.factorize(data):
             raise InputError(
                 "the body has no stable equilibrium to expand about: fix at least "
                 "three points that are not in line, or train again"
             )
         return solver
+
+
+class _Equilibrium:
+    """A state to expand about; what that takes is made when first asked for."""
+
+    def __init__(
+        self, system: _System, u: FloatArray, load: FloatArray, nodes: IntArray
+    ) -> None:
+        self.u = u
+        self._system, self._nodes = system, nodes
+        self._load = np.zeros_like(load)
+        self._load[nodes] = load[nodes]
+        self._elsewhere = load - self._load  # rounding, if the anchors' loads are alike
+
+    def first(self, force: FloatArray) -> FloatArray:
+        """Return u₁."""
+        return self._responses(force - self._load) - self._offset
+
+    def second(self, first: FloatArray) -> FloatArray:
+        """Return u₂."""
+        return self.solve(-0.5 * self._curvature(first))
+
+    def solve(self, force: FloatArray) -> FloatArray:
+        """Return K⁻¹ f."""
+        return self._responses.solve(force)
+
+    @cached_property
+    def _responses(self) -> PointResponses:
+        system = self._system
+        return PointResponses(system.factorized(self.u), system.pattern, self._nodes)
+
+    @cached_property
+    def _offset(self) -> FloatArray:
+        return self.solve(self._elsewhere)
+
+    @cached_property
+    def _curvature(self) -> SecondVariation:
+        return SecondVariation(self._system.elements, self.u)
+
+
+def _loaded(loads: FloatArray) -> NDArray[np.bool_]:
+    """Return which points carry any of the loads (n_loads, n, 3), rounding aside."""
+    size = np.abs(loads).max(axis=2)
+    largest = size.max(axis=1, keepdims=True)
+    carries: NDArray[np.bool_] = (size > ROUNDING * largest).any(axis=0)
+    return carries

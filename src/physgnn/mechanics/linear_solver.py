@@ -79,6 +79,8 @@ class PardisoSolver:
         self._handle = np.zeros(64, dtype=np.int64)
         self._iparm = np.zeros(64, dtype=np.int32)
         self._iparm[[0, 1, 34]] = 1, 2, 1
+        # Back-solves use more than one thread only after the two-level factorisation.
+        self._iparm[23] = 1 if threads > 1 else 0
         self._iparm[27] = 1 if precision == "single" else 0
         self._analysed = False
         arguments = (self._handle, self._n, self._iparm)

@@ -10,5 +10,5 @@ def linear_answer(body: Body) -> Answer:
 
     The factorisation of K₀ is done here, once; an answer costs one back-solve.
     """
-    rest = RestState(body.mesh, body.materials, body.fixed)
+    rest = RestState(body.mesh, body.materials, body.fixed, element=body.element)
     return lambda case: rest.solve(case.on_points(body.mesh.n_points))

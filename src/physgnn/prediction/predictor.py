@@ -54,6 +54,8 @@ class Predictor:
         carries no estimate, and any `tolerance_mm` calls for a repair.
     known : (n_known, n_points, 3) array, optional
         Stable equilibria that repairs may start from, mm.
+    linear : callable, optional
+        A quick way to K₀⁻¹ f, if there is one, for the indicator.
     """
 
     def __init__(
@@ -63,13 +65,15 @@ class Predictor:
         *,
         calibration: Calibration | None = None,
         known: FloatArray | None = None,
+        linear: Answer | None = None,
     ) -> None:
         self.body = body
         self._known = known
+        self.linear = linear
         self.answer = answer
         self.calibration = calibration
         self._indicator = (
-            INDICATORS[calibration.indicator](body) if calibration else None
+            INDICATORS[calibration.indicator](body, linear) if calibration else None
         )
 
     @classmethod
@@ -85,8 +89,13 @@ class Predictor:
         model = Checkpoint.load(run).model
         file = run / CALIBRATION_FILE
         calibration = Calibration.read(file) if file.is_file() else None
-        answer, known = network_answer(model, device=device), known_states(model)
-        predictor = cls(model.body, answer, calibration=calibration, known=known)
+        predictor = cls(
+            model.body,
+            network_answer(model, device=device),
+            calibration=calibration,
+            known=known_states(model),
+            linear=quick_linear(model),
+        )
         predictor.warm_up()
         return predictor
 
@@ -167,6 +176,11 @@ def known_states(model: Model) -> FloatArray:
     return states @ body_axes(model.body.mesh)
 
 
+def quick_linear(model: Model) -> Answer | None:
+    """Return the linear answer that a model keeps for itself, if it does."""
+    return model.linear if isinstance(model, LiftedModel) else None
+
+
 def anchor_cases(body: Body, known: FloatArray | None) -> Iterator[LoadCase]:
     """Yield the load each known state is in equilibrium with, and a tiny one."""
     elements = make_elements(body.mesh, body.materials)
@@ -219,7 +233,7 @@ def calibrate_run(
     predictor = Predictor.load(run)
     calibration = calibrate(
         predictor.answer,
-        (indicator, INDICATORS[indicator](predictor.body)),
+        (indicator, INDICATORS[indicator](predictor.body, predictor.linear)),
         store,
         (split.train, split.validation),
         coverage=coverage,

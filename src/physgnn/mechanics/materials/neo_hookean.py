@@ -94,25 +94,3 @@ def tangent(F, H, J, constants, A):  # type: ignore[no-untyped-def]  # noqa: ARG
                 for m in range(3):
                     A[i, j, k, m] = q * H[i, m] * H[k, j] + lam * H[i, j] * H[k, m]
             A[i, j, i, j] += mu
-
-
-@njit(cache=True, inline="always")
-def second_stress(H, J, constants, M, curved):  # type: ignore[no-untyped-def]
-    """d²P/ds² = H (2 (λ ln J − μ) Mᵀ² − 2 λ tr M Mᵀ − λ tr M² I) along G = F M.
-
-    From P(s) with (ln J)′ = tr M, (ln J)″ = −tr M², H′ = −H Mᵀ, H″ = 2 H Mᵀ².
-    """
-    lam, mu = constants[0], constants[1]
-    p = lam * np.log(J) - mu
-    trace = M[0, 0] + M[1, 1] + M[2, 2]
-    square = 0.0
-    for i in range(3):
-        for j in range(3):
-            square += M[i, j] * M[j, i]
-    for i in range(3):
-        for j in range(3):
-            curved[i, j] = -lam * square * H[i, j]
-            for k in range(3):
-                # Mᵀ² and Mᵀ, entry (k, j)
-                twice = M[j, 0] * M[0, k] + M[j, 1] * M[1, k] + M[j, 2] * M[2, k]
-                curved[i, j] += H[i, k] * 2 * (p * twice - lam * trace * M[j, k])
