@@ -85,7 +85,7 @@ class Perturbation:
         self._loads = np.stack([system.internal(u) for u in states])
         nodes = _loaded(self._loads[:, system.pattern.free])
         self._about = [
-            _Equilibrium(system, u, load, system.pattern.free[nodes])
+            Equilibrium(system, u, load, system.pattern.free[nodes])
             for u, load in zip(states, self._loads, strict=True)
         ]
         self._linear = np.stack([self._about[0].solve(load) for load in self._loads])
@@ -104,6 +104,10 @@ class Perturbation:
         work = np.einsum("kni,ni->k", self._linear[:, loaded], force[loaded])
         return int(np.argmin(self._self_work - 2 * work))
 
+    def about(self, force: FloatArray) -> "Equilibrium":
+        """Return the equilibrium that a load is expanded about."""
+        return self._about[self.nearest(force)]
+
     def expand(self, force: FloatArray) -> Expansion:
         """Expand about the nearest anchor.
 
@@ -112,7 +116,7 @@ class Perturbation:
         force : (n_points, 3) array
             N; what acts on fixed points goes into the support.
         """
-        about = self._about[self.nearest(force)]
+        about = self.about(force)
         first = about.first(force)
         return Expansion(about.u, first, about.second(first))
 
@@ -144,7 +148,7 @@ class _System:
         return solver
 
 
-class _Equilibrium:
+class Equilibrium:
     """A state to expand about; what that takes is made when first asked for."""
 
     def __init__(
@@ -157,12 +161,12 @@ class _Equilibrium:
         self._elsewhere = load - self._load  # rounding, if the anchors' loads are alike
 
     def first(self, force: FloatArray) -> FloatArray:
-        """Return u₁."""
+        """Return u₁ for a load's force field."""
         return self._responses(force - self._load) - self._offset
 
     def second(self, first: FloatArray) -> FloatArray:
-        """Return u₂."""
-        return self.solve(-0.5 * self._curvature(first))
+        """Return u₂ for a first term."""
+        return self.solve(-0.5 * self.curvature(first))
 
     def solve(self, force: FloatArray) -> FloatArray:
         """Return K⁻¹ f."""
@@ -178,7 +182,8 @@ class _Equilibrium:
         return self.solve(self._elsewhere)
 
     @cached_property
-    def _curvature(self) -> SecondVariation:
+    def curvature(self) -> SecondVariation:
+        """How the internal force curves about it."""
         return SecondVariation(self._system.elements, self.u)
 
 

@@ -1,0 +1,96 @@
+"""What a prediction of the lifted network takes, part by part, and a cold FE solve.
+
+    python benchmarks/lifted.py run/ loads.zarr --threads 2
+
+The load cases are of held-out paths at low, middle and full load. Every time is the
+median of ``--repeat`` rounds over them, after one that isn't counted.
+"""
+
+import argparse
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from physgnn.dataset import Store
+from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.lifted import LiftedModel
+from physgnn.mechanics.loads import LoadCase
+from physgnn.prediction import FiniteElementPredictor, Predictor
+from tables import load_kernels, machine, table
+
+LIMIT_MS = 20.0
+
+
+def median_ms(
+    do: Callable[[LoadCase], object], cases: Sequence[LoadCase], n: int
+) -> float:
+    times = np.empty((n + 1, len(cases)))
+    for i in range(n + 1):
+        for k, case in enumerate(cases):
+            start = time.perf_counter()
+            do(case)
+            times[i, k] = time.perf_counter() - start
+    return 1e3 * float(np.median(times[1:]))
+
+
+def parts(model: LiftedModel) -> dict[str, Callable[[LoadCase], object]]:
+    n = model.body.mesh.n_points
+    terms = model.perturbation
+
+    def first(case: LoadCase) -> object:
+        force = case.on_points(n)
+        return terms.about(force).first(force)
+
+    def until_curvature(case: LoadCase) -> object:
+        force = case.on_points(n)
+        about = terms.about(force)
+        return about.curvature(about.first(force))
+
+    return {
+        "u₁": first,
+        "u₁, second variation": until_curvature,
+        "u₁, second variation, u₂": lambda case: terms.expand(case.on_points(n)),
+        "the same as the network's inputs": model.encode,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("run", type=Path)
+    parser.add_argument("store", type=Path)
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--repeat", type=int, default=15)
+    given = parser.parse_args()
+    torch.set_num_threads(given.threads)
+    store = Store.open(given.store)
+    last, top = store.n_paths - 1, store.n_levels - 1
+    cases = [
+        store.load_case(last - i, level)
+        for i in range(3)
+        for level in (top // 6, top // 2, top)
+    ]
+    print(f"{machine()}; {given.threads} threads; {store.mesh.n_points} points\n")
+    load_kernels()
+    start = time.perf_counter()
+    predictor = Predictor.load(given.run)
+    loaded = time.perf_counter() - start
+    model = Checkpoint.load(given.run).model.eval()
+    assert isinstance(model, LiftedModel)
+    steps = {
+        **parts(model),
+        "answer: with the network": predictor.answer,
+        "prediction: with error estimate and trained range": predictor,
+    }
+    times = {name: median_ms(do, cases, given.repeat) for name, do in steps.items()}
+    table(("up to", "ms"), [(name, f"{t:.1f}") for name, t in times.items()])
+    print(f"\nat most {LIMIT_MS:g} ms wanted; {loaded:.1f} s to load the run")
+    cold = FiniteElementPredictor(predictor.body)
+    seconds = [cold(case).seconds for case in cases]
+    print(f"finite elements from rest: {np.median(seconds):.2f} s (median of the same)")
+
+
+if __name__ == "__main__":
+    main()
