@@ -113,13 +113,14 @@ def make_elements(
 
 @njit(cache=True, inline="always")
 def _add_force(cell, gradient, volume, P, force):  # type: ignore[no-untyped-def]
-    for a in range(4):
-        for i in range(3):
-            force[cell[a], i] += volume * (
-                P[i, 0] * gradient[a, 0]
-                + P[i, 1] * gradient[a, 1]
-                + P[i, 2] * gradient[a, 2]
-            )
+    for i in range(3):
+        x, y, z = volume * P[i, 0], volume * P[i, 1], volume * P[i, 2]
+        total = 0.0
+        for a in range(1, 4):
+            share = x * gradient[a, 0] + y * gradient[a, 1] + z * gradient[a, 2]
+            force[cell[a], i] += share
+            total += share
+        force[cell[0], i] -= total  # a cell pulls on nothing but its own corners
 
 
 @njit(cache=True)

@@ -33,23 +33,26 @@ def deformation_gradient(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
 @njit(cache=True, inline="always")
 def kinematics(cell, gradient, u, F, H):  # type: ignore[no-untyped-def]
     """Fill F and H = F⁻ᵀ of one cell; return J = det F (H is left if J ≤ 0)."""
+    o, p, q, r = cell[0], cell[1], cell[2], cell[3]
     for i in range(3):
+        # Relative to the first corner, as the gradients of all four add up to nothing.
+        a, b, c = u[p, i] - u[o, i], u[q, i] - u[o, i], u[r, i] - u[o, i]
         for j in range(3):
-            F[i, j] = 1.0 if i == j else 0.0
-            for a in range(4):
-                F[i, j] += u[cell[a], i] * gradient[a, j]
+            F[i, j] = a * gradient[1, j] + b * gradient[2, j] + c * gradient[3, j]
+        F[i, i] += 1.0
     c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
     c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
     c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
     J = F[0, 0] * c00 + F[0, 1] * c01 + F[0, 2] * c02
     if J > 0.0:
-        H[0, 0], H[0, 1], H[0, 2] = c00 / J, c01 / J, c02 / J
-        H[1, 0] = (F[0, 2] * F[2, 1] - F[0, 1] * F[2, 2]) / J
-        H[1, 1] = (F[0, 0] * F[2, 2] - F[0, 2] * F[2, 0]) / J
-        H[1, 2] = (F[0, 1] * F[2, 0] - F[0, 0] * F[2, 1]) / J
-        H[2, 0] = (F[0, 1] * F[1, 2] - F[0, 2] * F[1, 1]) / J
-        H[2, 1] = (F[0, 2] * F[1, 0] - F[0, 0] * F[1, 2]) / J
-        H[2, 2] = (F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]) / J
+        s = 1.0 / J
+        H[0, 0], H[0, 1], H[0, 2] = s * c00, s * c01, s * c02
+        H[1, 0] = s * (F[0, 2] * F[2, 1] - F[0, 1] * F[2, 2])
+        H[1, 1] = s * (F[0, 0] * F[2, 2] - F[0, 2] * F[2, 0])
+        H[1, 2] = s * (F[0, 1] * F[2, 0] - F[0, 0] * F[2, 1])
+        H[2, 0] = s * (F[0, 1] * F[1, 2] - F[0, 2] * F[1, 1])
+        H[2, 1] = s * (F[0, 2] * F[1, 0] - F[0, 0] * F[1, 2])
+        H[2, 2] = s * (F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0])
     return J
 
 
