@@ -5,7 +5,13 @@ from hypothesis import strategies as st
 
 from meshes import block_mesh
 from physgnn.errors import InputError
-from physgnn.prediction.measurement import surface_interpolation
+from physgnn.geometry.point_pairs import PointPairs
+from physgnn.geometry.surface_points import SurfacePoints
+from physgnn.prediction.measurement import (
+    MeasuredPairs,
+    MeasuredSurface,
+    surface_interpolation,
+)
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -26,3 +32,27 @@ def test_a_point_off_the_surface_takes_the_place_nearest_to_it() -> None:
     np.testing.assert_allclose(P @ mesh.points, [[5.0, 5.0, 10.0]], atol=1e-5)
     with pytest.raises(InputError, match="measured point 2"):
         surface_interpolation(mesh, np.array([[5.0, 5.0, 10.0], [5.0, 5.0, 30.0]]))
+
+
+def test_a_surface_is_seen_along_its_normal_only() -> None:
+    mesh = block_mesh(4, side=40.0)
+    rng = np.random.default_rng(0)
+    flat = rng.uniform(12, 28, (30, 2))
+    surface = SurfacePoints(np.column_stack([flat, np.full(30, 43.0)]))
+    measured = MeasuredSurface(mesh, mesh.point_set("fixed"), surface)
+    seen = measured.observe(np.zeros_like(mesh.points))
+    np.testing.assert_allclose(seen.missing, 3.0, atol=1e-4)
+    slide, lift = np.zeros((2, *mesh.points.shape))
+    slide[:, 0], lift[:, 2] = 2.0, 2.0
+    np.testing.assert_allclose(seen.of(slide), 0.0, atol=1e-6)
+    np.testing.assert_allclose(seen.of(lift), 2.0, atol=1e-6)
+    np.testing.assert_allclose(measured.observe(lift).missing, 1.0, atol=1e-4)
+    np.testing.assert_allclose(measured.observe(slide).missing, 3.0, atol=1e-4)
+
+
+def test_pairs_are_seen_in_all_components() -> None:
+    mesh = block_mesh(3)
+    source = np.array([[5.0, 5.0, 10.0], [2.0, 3.0, 10.0], [7.0, 3.0, 10.0]])
+    pairs = PointPairs(source, source + np.array([1.0, 2.0, 3.0]))
+    seen = MeasuredPairs(mesh, pairs).observe(np.ones_like(mesh.points))
+    np.testing.assert_allclose(seen.missing, np.tile([0.0, 1.0, 2.0], (3, 1)))

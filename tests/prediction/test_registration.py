@@ -6,7 +6,9 @@ from numpy.typing import NDArray
 
 from meshes import block_mesh
 from physgnn.errors import InputError
+from physgnn.geometry import boundary_faces
 from physgnn.geometry.point_pairs import PointPairs
+from physgnn.geometry.surface_points import SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import (
     LoadPath,
@@ -59,6 +61,17 @@ def measured(mesh: TetMesh, u: NDArray[np.float64], seed: int) -> PointPairs:
     source = mesh.points[top]
     noise = np.random.default_rng(seed).normal(scale=NOISE, size=source.shape)
     return PointPairs(source, source + u[top] + noise)
+
+
+def seen_surface(mesh: TetMesh, u: NDArray[np.float64], seed: int) -> SurfacePoints:
+    """Noisy places all over the top where it lies now, in no order."""
+    rng = np.random.default_rng(seed)
+    faces = boundary_faces(mesh)
+    faces = faces[np.isin(faces, mesh.point_set("loaded")).all(axis=1)]
+    corners = faces[rng.choice(len(faces), 600)]
+    weights = rng.dirichlet(np.ones(3), len(corners))
+    points = np.einsum("ni,nij->nj", weights, (mesh.points + u)[corners])
+    return SurfacePoints(points + rng.normal(scale=NOISE, size=points.shape))
 
 
 def errors(found: Registration, u: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -121,16 +134,63 @@ def test_small_noiseless_shifts_are_found_within_microns(
     assert errors(found, u).max() < 0.005
 
 
+def test_a_surface_without_correspondence_tells_of_the_depth(
+    body: TetMesh, registrar: Registrar
+) -> None:
+    u = true_shift(body, 2, 12.0)
+    found = registrar(seen_surface(body, u, 2), noise_mm=NOISE)
+    assert found.prediction.status == PredictionStatus.OK
+    error, size = errors(found, u), np.linalg.norm(u, axis=1)
+    assert error.mean() < 0.4 * size.mean()
+    # across the surface half a noise is left, and it is what the misfit measures
+    top = body.point_set("loaded")
+    lag = (found.prediction.displacement - u)[top]
+    assert np.abs(lag[:, 2]).mean() < NOISE
+    assert found.misfit_mm == pytest.approx(NOISE, rel=0.25)
+    pairs = registrar(measured(body, u, 2), noise_mm=NOISE).prediction
+    estimate = found.prediction.error_estimate_mm
+    assert estimate.mean_mm > pairs.error_estimate_mm.mean_mm
+
+
+def test_a_skull_that_lets_slide_is_found_by_the_registration_that_knows(
+    body: TetMesh, registrar: Registrar
+) -> None:
+    sliding = Registrar(body, MATERIALS, skull="sliding")
+    walls = body.point_set("fixed")
+    force = np.zeros_like(body.points)
+    force[body.point_set("loaded")] = [0.16, 0.0, -0.16]
+    u = np.zeros_like(body.points)
+    for _ in range(12):
+        response, back = sliding.tangent(u, force[None].astype(np.float32))
+        u = u + response[0] + back
+    assert np.linalg.norm(u[walls], axis=1).max() > 1.0
+    pairs = measured(body, u, 0)
+    knows, assumes = sliding(pairs, noise_mm=NOISE), registrar(pairs, noise_mm=NOISE)
+    assert errors(knows, u).mean() < 0.85 * errors(assumes, u).mean()
+    assert errors(knows, u)[walls].mean() < 0.6 * errors(assumes, u)[walls].mean()
+    # the floor keeps its height and the walls their planes
+    moved = knows.prediction.displacement
+    x, y, z = body.points.T
+    inner = (x > 0) & (x < SIDE) & (y > 0) & (y < SIDE)
+    assert np.abs(moved[inner & (z == 0), 2]).max() < 0.05
+    assert np.linalg.norm(moved[inner & (z == 0), :2], axis=1).max() > 0.1
+
+
 def test_wrong_numbers_are_refused(body: TetMesh, registrar: Registrar) -> None:
     pairs = measured(body, np.zeros_like(body.points), 0)
     for options in ({"noise_mm": 0.0}, {"noise_mm": np.nan}, {"coverage": 1.0}):
         with pytest.raises(InputError, match="noise_mm"):
             registrar(pairs, **options)
+    with pytest.raises(InputError, match="skull must be one of fixed, sliding"):
+        Registrar(body, MATERIALS, skull="loose")
+    far = SurfacePoints(np.random.default_rng(0).normal(size=(20, 3)) + 400.0)
+    with pytest.raises(InputError, match="from the brain's surface"):
+        registrar(far)
 
 
 def test_modes_are_scaled_and_their_responses_linear_elasticity(body: TetMesh) -> None:
     rest = RestState(body, MATERIALS)
-    modes = load_modes(body, rest)
+    modes = load_modes(body, rest.fixed, rest.solve)
     pick = slice(None, None, 40)
     again = rest.solve(modes.forces[pick].astype(np.float64))
     np.testing.assert_allclose(again, modes.response[pick], atol=1e-5)

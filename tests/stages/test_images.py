@@ -125,7 +125,7 @@ def test_register_writes_what_warp_reads(tmp_path: Path) -> None:
     source = body.points[body.point_set("loaded")]
     moved = source + np.array([0.0, 1.0, -2.0])
     np.savetxt(measured, np.hstack([source, moved]), delimiter=",")
-    found = register(case, measured, out, noise_mm=0.5)
+    found = register(case, out, points=measured, noise_mm=0.5)
     mesh, u = read_displacement(out)
     np.testing.assert_array_equal(u, found.prediction.displacement)
     top = u[mesh.point_set("loaded")]

@@ -11,7 +11,27 @@ from physgnn.cli.console import progress, working
 Run = Annotated[Path, typer.Argument(help="Folder of a trained model.")]
 
 
-Out = Annotated[Path, typer.Option("--out", "-o", help="Where the result goes.")]
+Out = Annotated[
+    Path,
+    typer.Option(
+        "--out",
+        "-o",
+        help=".vtu (at rest, with the displacement), .vtp (deformed surfaces), .h5 "
+        "(transform for ITK and 3D Slicer) or .nii.gz (displacement field).",
+    ),
+]
+Form = Annotated[
+    str | None,
+    typer.Option(
+        "--as",
+        help="What to write where the suffix leaves a choice: rest, deformed (.vtu); "
+        "field, itk-field, labels (.nii.gz).",
+    ),
+]
+Grid = Annotated[
+    Path | None,
+    typer.Option("--image", help="NIfTI whose voxels a field or label map gets."),
+]
 
 
 def evaluate(
@@ -37,6 +57,8 @@ def predict(
     run: Run,
     load: Annotated[Path, typer.Option(help="Load case, JSON.")],
     out: Out,
+    form: Form = None,
+    image: Grid = None,
     tolerance_mm: Annotated[
         float | None, typer.Option(help="Solve instead if the error may exceed this.")
     ] = None,
@@ -47,7 +69,13 @@ def predict(
     """Predict the displacement under one load case."""
     with working("predicting"):
         answer = stages.predict(
-            run, load, out, tolerance_mm=tolerance_mm, linear=linear
+            run,
+            load,
+            out,
+            form=form,
+            image=image,
+            tolerance_mm=tolerance_mm,
+            linear=linear,
         )
     largest = (answer.displacement**2).sum(axis=1).max() ** 0.5
     estimate = answer.error_estimate_mm

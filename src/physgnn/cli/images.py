@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from physgnn.cli import answers
 from physgnn.cli.console import say, working
 
 Out = Annotated[Path, typer.Option("--out", "-o", help="Where the result goes.")]
@@ -51,28 +52,55 @@ def warp(
 
 def register(
     mesh: Annotated[Path, typer.Argument(help="Mesh with the point set fixed, VTU.")],
+    out: answers.Out,
     points: Annotated[
-        Path, typer.Option(help="Measured pairs: CSV, .fcsv or .mrk.json.")
-    ],
-    out: Out,
+        Path | None, typer.Option(help="Measured pairs: CSV, .fcsv or .mrk.json.")
+    ] = None,
     target: Annotated[
         Path | None, typer.Option(help="Markups after the shift, if apart.")
+    ] = None,
+    surface: Annotated[
+        Path | None,
+        typer.Option(
+            help="Instead: the exposed surface after the shift, a mesh (STL, PLY, "
+            "OBJ, VTP) or points (CSV, .fcsv, .mrk.json)."
+        ),
     ] = None,
     noise_mm: Annotated[
         float, typer.Option(help="Deviation of a measured coordinate.")
     ] = 1.0,
+    skull: Annotated[
+        str, typer.Option(help="fixed, or sliding: the brain may move along it.")
+    ] = "fixed",
+    materials: Annotated[
+        Path | None, typer.Option(help="TOML with [materials.<region>] tables.")
+    ] = None,
+    form: answers.Form = None,
+    image: answers.Grid = None,
 ) -> None:
-    """Find the whole displacement from points measured on the surface."""
+    """Find the whole displacement from what was measured on the surface."""
+    from physgnn.config.simulation import read_materials
     from physgnn.stages import registration
 
     with working("registering"):
         found = registration.register(
-            mesh, points, out, target=target, noise_mm=noise_mm
+            mesh,
+            out,
+            points=points,
+            target=target,
+            surface=surface,
+            form=form,
+            image=image,
+            noise_mm=noise_mm,
+            skull=skull,
+            materials={} if materials is None else read_materials(materials),
         )
     estimate = found.prediction.error_estimate_mm
-    bound = "" if estimate is None else f"error {estimate.mean_mm:.2f} mm on average"
+    bound = "" if estimate is None else f"error {estimate.mean_mm:.2f} mm on average, "
+    most = "" if estimate is None else f"{estimate.max_mm:.2f} mm at most"
+    chance = "" if estimate is None else f" ({estimate.coverage:.0%} of cases)"
     print(
-        f"{out}: {bound}, misfit {found.misfit_mm:.2f} mm, of points held out "
-        f"{found.held_out_mm:.2f} mm; {found.prediction.seconds:.1f} s; "
+        f"{out}: {bound}{most}{chance}, misfit {found.misfit_mm:.2f} mm, of points "
+        f"held out {found.held_out_mm:.2f} mm; {found.prediction.seconds:.1f} s; "
         f"{found.prediction.status}: {found.prediction.status.remedy}"
     )

@@ -7,9 +7,14 @@ from nibabel.orientations import apply_orientation, io_orientation
 from numpy.typing import ArrayLike, NDArray
 
 from physgnn.geometry.image import FloatArray, Image
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.imaging.field import grid_around, inverse_field
+from physgnn.imaging.labels import deformed_labels
+from physgnn.imaging.warp import warp
 
 SQUARE_MM = 20.0
 PANEL_INCHES = 3.2
+LABEL_MM = 1.0  # voxels of the label map drawn for want of an image
 # Index axis normal to the plane, and which others run right and up.
 PLANES = {"sagittal": (0, 1, 2), "coronal": (1, 0, 2), "axial": (2, 0, 1)}
 
@@ -57,6 +62,42 @@ def before_after(before: Image, after: Image, centre_mm: ArrayLike) -> Figure:
             axes.set_title(f"{plane}, {title}", fontsize=9)
             axes.axis("off")
     return figure
+
+
+def slices_of_shift(
+    mesh: TetMesh, displacement: FloatArray, image: Image | None = None
+) -> Figure:
+    """Draw a body before and after a shift, through the place that moves most.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The rest state.
+    displacement : (n_points, 3) array
+        mm.
+    image : Image, optional
+        Of the rest state, such as the T1; without one the tissues are drawn.
+
+    Raises
+    ------
+    InputError
+        If mesh and image do not meet.
+    """
+    if image is None:
+        grid = grid_around(mesh, spacing_mm=LABEL_MM, margin_mm=10.0)
+        before: Image = deformed_labels(mesh, np.zeros_like(displacement), grid)
+        after: Image = deformed_labels(mesh, displacement, grid)
+    else:
+        before = image
+        after = warp(image, inverse_field(mesh, displacement, image.grid))
+    return before_after(before, after, middle_of_shift(mesh, displacement))
+
+
+def middle_of_shift(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
+    """Return a point where planes show a shift: halfway in from what moves most."""
+    most = int(np.linalg.norm(displacement, axis=1).argmax())
+    middle: FloatArray = (mesh.points[most] + mesh.points.mean(axis=0)) / 2
+    return middle
 
 
 def _upright(image: Image) -> tuple[FloatArray, FloatArray]:

@@ -14,6 +14,7 @@ from physgnn.geometry.point_pairs import FloatArray, PointPairs
 from physgnn.imaging.transforms import points_to_ras
 
 PAIR_COLUMNS = [f"{end}_{axis}" for end in ("source", "target") for axis in "xyz"]
+POINT_COLUMNS = list("xyz")
 # Slicer before 4.11 wrote numbers for the coordinate system.
 FCSV_SYSTEMS = {"0": "RAS", "1": "LPS", "RAS": "RAS", "LPS": "LPS"}
 
@@ -40,7 +41,7 @@ def read_point_pairs(path: str | Path, target: str | Path | None = None) -> Poin
         if path.name.endswith(".csv"):
             if target is not None:
                 raise InputError("a CSV holds both ends: give no file of targets")
-            rows = _read_csv(path)
+            rows = _read_csv(path, PAIR_COLUMNS)
             return PointPairs(rows[:, :3], rows[:, 3:])
         lists = _read_markups(path)
         if target is not None:
@@ -51,6 +52,32 @@ def read_point_pairs(path: str | Path, target: str | Path | None = None) -> Poin
                 "give the file of the targets too"
             )
         return PointPairs(*lists)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def read_points(path: str | Path) -> FloatArray:
+    """Read one list of points, (n, 3), RAS+ mm.
+
+    Parameters
+    ----------
+    path : path
+        A CSV of three columns (RAS mm; a header is optional), or markups of 3D Slicer,
+        of which the first list is taken.
+
+    Raises
+    ------
+    InputError
+        If the file is not what its name says.
+    """
+    path = Path(path)
+    try:
+        if path.name.endswith(".csv"):
+            return _read_csv(path, POINT_COLUMNS)
+        lists = _read_markups(path)
+        if not lists:
+            raise InputError("holds no list of points")
+        return lists[0]
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
@@ -72,17 +99,17 @@ def _text(path: Path) -> str:
         raise InputError(f"cannot be read ({error})") from error
 
 
-def _read_csv(path: Path) -> FloatArray:
+def _read_csv(path: Path, columns: list[str]) -> FloatArray:
     rows = [row for row in csv.reader(_text(path).splitlines()) if row]
     if rows and not _is_number(rows[0][0]):
         header = [name.strip().lower() for name in rows[0]]
-        if not set(PAIR_COLUMNS) <= set(header):
+        if not set(columns) <= set(header):
             raise InputError(
-                f"its header must name {', '.join(PAIR_COLUMNS)} (got {rows[0]})"
+                f"its header must name {', '.join(columns)} (got {rows[0]})"
             )
-        order = [header.index(name) for name in PAIR_COLUMNS]
+        order = [header.index(name) for name in columns]
         rows = [[row[i] for i in order if i < len(row)] for row in rows[1:]]
-    return _numbers(rows, 6)
+    return _numbers(rows, len(columns))
 
 
 def _read_fcsv(text: str) -> list[FloatArray]:

@@ -1,14 +1,22 @@
-"""Surfaces from STL, PLY, OBJ and VTP files."""
+"""Surfaces from STL, PLY, OBJ and VTP files.
+
+3D Slicer writes models in LPS and says so by the words SPACE=LPS in a comment, or a
+field of that name in VTP; such files are turned to RAS. Others are taken as they are.
+"""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface
+from physgnn.imaging.transforms import points_to_ras
 from physgnn.io.obj import read_obj
 from physgnn.io.ply import read_ply
 from physgnn.io.stl import read_stl
+from physgnn.io.vtk_reader import read_vtk
 from physgnn.io.vtp import read_vtp
+
+HEAD_BYTES = 4096
 
 SURFACE_READERS: Mapping[str, Callable[[Path], Surface]] = {
     ".stl": read_stl,
@@ -40,9 +48,19 @@ def read_surface(path: str | Path) -> Surface:
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     try:
-        return reader(path)
+        surface = reader(path)
+        return Surface(points_to_ras(surface.points, _space(path)), surface.faces)
     except InputError as error:
         if str(error).startswith(str(path)):
             raise
         # what a surface must be is said without the file's name
         raise InputError(f"{path}: {error}") from error
+
+
+def _space(path: Path) -> str:
+    """Return the axes that a file says it is in; RAS if it does not say."""
+    with path.open("rb") as file:
+        head = file.read(HEAD_BYTES)
+    if path.suffix.lower() == ".vtp" and b'Name="SPACE"' in head:
+        return str(read_vtk(path).field_data["SPACE"][0])
+    return "LPS" if b"SPACE=LPS" in head else "RAS"

@@ -18,6 +18,8 @@ from physgnn.io.atomic import whole_file
 from physgnn.io.vtk_reader import read_vtk
 
 SET_PREFIX = "point_set:"
+# Without these words 3D Slicer takes the coordinates of a model for LPS.
+SPACE, RAS = "SPACE", "RAS"
 
 
 def write_mesh(path: str | Path, mesh: TetMesh) -> None:
@@ -111,6 +113,7 @@ def grid_of(mesh: TetMesh) -> pv.UnstructuredGrid:
     """Return a mesh as VTK has it, with regions and point sets."""
     grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
     grid.cell_data["region"] = mesh.region
+    grid.field_data[SPACE] = [RAS]
     for name, ids in mesh.point_sets.items():
         inside = np.zeros(mesh.n_points, dtype=np.uint8)
         inside[ids] = 1

@@ -30,9 +30,8 @@ class Posterior:
         Of w given d.
     covariance : (r, r) array
         Of w given d.
-    held_out : (m,) array
-        Residual of each datum when it is predicted from all others but those of its
-        block.
+    held_out : (n, k) array
+        Residual of each datum when it is predicted from all rows but its own.
     surprise : float
         Root mean square of `held_out` over what was expected of it: 1 if noise and
         prior suit the data, more if the error bars are too short.
@@ -83,30 +82,33 @@ def choose_variances(
 
 
 def condition(
-    A: FloatArray, d: FloatArray, prior: FloatArray, noise: float, *, block: int = 3
+    A: FloatArray, d: FloatArray, prior: FloatArray, noise: float
 ) -> Posterior:
     """Return the coefficients given the data.
 
     Parameters
     ----------
-    A, d, noise
+    A : (n k, r) array
         As in `choose_variances`.
+    d : (n, k) array
+        The data; a row is held out together, such as the components of a point.
     prior : (r,) array
         Variance of each coefficient.
-    block : int
-        Data that are held out together: the three components of a point.
+    noise : float
+        As in `choose_variances`.
     """
+    n, k = d.shape
     inverse = np.linalg.inv(_with_noise((A * prior) @ A.T, noise))
     gain = prior[:, None] * (A.T @ inverse)
-    alpha = (inverse @ d).reshape(-1, block)
-    each = np.arange(len(alpha))
-    own = inverse.reshape(len(alpha), block, len(alpha), block)[each, :, each]
+    alpha = (inverse @ d.ravel()).reshape(n, k)
+    each = np.arange(n)
+    own = inverse.reshape(n, k, n, k)[each, :, each]
     held_out = np.linalg.solve(own, alpha[..., None])[..., 0]
     return Posterior(
-        mean=gain @ d,
+        mean=gain @ d.ravel(),
         covariance=np.diag(prior) - gain @ (A * prior),
-        held_out=held_out.ravel(),
-        surprise=float(np.sqrt((held_out * alpha).sum() / len(d))),
+        held_out=held_out,
+        surprise=float(np.sqrt((held_out * alpha).sum() / d.size)),
     )
 
 

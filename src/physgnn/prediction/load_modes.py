@@ -15,18 +15,20 @@ surface if all its modes have independent coefficients of variance 1: its varian
 then in mm².
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.geometry.boundary import boundary_faces, boundary_points
-from physgnn.geometry.normals import area_vectors
+from physgnn.geometry.boundary import boundary_points
+from physgnn.geometry.surface_points import farthest_points
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.rest_state import RestState
+from physgnn.prediction.skull import point_areas
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+Solve = Callable[[FloatArray], FloatArray]  # K₀⁻¹ f, (k, n_points, 3) both
 
 PATCH_SPACING_MM, CLOUD_SPACING_MM = 25.0, 35.0
 WIDTH_PER_SPACING = 0.7  # a blob's standard deviation: neighbours overlap
@@ -54,13 +56,23 @@ class LoadModes:
     names: tuple[str, ...] = ("weight", "surface", "inside")
 
 
-def load_modes(mesh: TetMesh, rest: RestState) -> LoadModes:
-    """Return the load modes of a body; a second or two, once a patient."""
-    free = np.setdiff1d(boundary_points(mesh), rest.fixed)
+def load_modes(mesh: TetMesh, skull: IntArray, solve: Solve) -> LoadModes:
+    """Return the load modes of a body; a second or two, once a patient.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The rest state.
+    skull : integer array
+        Points of the surface that are not exposed.
+    solve : callable
+        Linear elasticity of the rest state.
+    """
+    free = np.setdiff1d(boundary_points(mesh), skull)
     forces, response, family = [], [], []
     families = (_weight(mesh), _patches(mesh, free), _clouds(mesh))
     for i, loads in enumerate(families):
-        moved = rest.solve(loads)
+        moved = solve(loads)
         scale = 1.0 / np.sqrt((moved[:, free] ** 2).sum(axis=(0, 2)).mean())
         forces.append((scale * loads).astype(np.float32))
         response.append((scale * moved).astype(np.float32))
@@ -80,10 +92,7 @@ def _clouds(mesh: TetMesh) -> FloatArray:
 
 
 def _patches(mesh: TetMesh, free: IntArray) -> FloatArray:
-    area = np.zeros(mesh.n_points)
-    faces = boundary_faces(mesh)
-    size = np.linalg.norm(area_vectors(mesh.points, faces), axis=1)
-    np.add.at(area, faces, size[:, None] / 3)
+    area = point_areas(mesh)
     return _blobs(mesh.points, free, area, PATCH_SPACING_MM)
 
 
@@ -97,23 +106,12 @@ def _blobs(
     points: FloatArray, chosen: IntArray, measure: FloatArray, spacing: float
 ) -> FloatArray:
     """Gaussians among the chosen points, times their measure, along x, y and z."""
-    centres = _spread(points[chosen], spacing)
+    inside = points[chosen]
+    centres = inside[farthest_points(inside, spacing=spacing)]
     loads = np.zeros((len(centres), 3, len(points), 3))
     for load, centre in zip(loads, centres, strict=True):
-        square = ((points[chosen] - centre) ** 2).sum(axis=1)
+        square = ((inside - centre) ** 2).sum(axis=1)
         blob = np.exp(-square / (2 * (WIDTH_PER_SPACING * spacing) ** 2))
         for axis in range(3):
             load[axis, chosen, axis] = measure[chosen] * blob
     return loads.reshape(-1, len(points), 3)
-
-
-def _spread(points: FloatArray, spacing: float) -> FloatArray:
-    """Take the point farthest from those taken, until all are within the spacing."""
-    taken = [0]
-    nearest = np.linalg.norm(points - points[0], axis=1)
-    while nearest.max() > spacing:
-        taken.append(int(nearest.argmax()))
-        latest = np.linalg.norm(points - points[taken[-1]], axis=1)
-        nearest = np.minimum(nearest, latest)
-    chosen: FloatArray = points[taken]
-    return chosen

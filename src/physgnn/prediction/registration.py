@@ -1,8 +1,8 @@
-"""From a few measured points on the exposed surface to the displacement everywhere.
+"""From what is measured on the exposed surface to the displacement everywhere.
 
 The unknown forces are a combination of load modes (`load_modes`), f = B w, with
-Gaussian coefficients w ~ N(0, Λ); the measured displacements are d = P u + noise. The
-most probable answer minimises
+Gaussian coefficients w ~ N(0, Λ); what is measured is d = P u + noise, P the places and
+directions of the measurement (`measurement`). The most probable answer minimises
 
     |d − P u|² / σ² + wᵀ Λ⁻¹ w    where    f_int(u) = B w.
 
@@ -10,9 +10,10 @@ Both are sought at once (Gauss–Newton on u and w together): about u, equilibri
 u + K(u)⁻¹ (B w − f_int(u)), linear in w, so that the best w is that of a Gaussian
 regression (`gaussian`) and the new u follows. The data hold the iteration where the
 body was seen to be; solving for equilibrium under every w on the way would not, since
-soft bodies buckle. The first step is linear elasticity; Λ is chosen there. The
-posterior of the last step, widened by what simulated shifts say of the model's own
-error and where held-out points call for more, is the error bar.
+soft bodies buckle. A measured surface is matched anew while steps are long. The first
+step is linear elasticity; Λ is chosen there. The posterior of the last step, widened by
+what simulated shifts say of the model's own error and where held-out points call for
+more, is the error bar.
 """
 
 import time
@@ -21,17 +22,23 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from physgnn.errors import InputError
 from physgnn.geometry.point_pairs import PointPairs
+from physgnn.geometry.surface_points import SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.materials.table import Material
-from physgnn.mechanics.rest_state import RestState
+from physgnn.mechanics.rest_state import fixed_points
 from physgnn.prediction.gaussian import Posterior, choose_variances, condition
 from physgnn.prediction.load_modes import load_modes
-from physgnn.prediction.measurement import surface_interpolation
+from physgnn.prediction.measurement import (
+    MeasuredPairs,
+    MeasuredSurface,
+    Measurement,
+    Observation,
+)
 from physgnn.prediction.prediction import ErrorEstimate, Prediction, PredictionStatus
+from physgnn.prediction.skull import SUPPORTS
 from physgnn.prediction.tangent_response import TangentResponse
 
 FloatArray = NDArray[np.float64]
@@ -41,11 +48,19 @@ MAX_STEPS = 20
 LONGEST_STEP_MM = 5.0  # longer ones leave the range where linear elasticity holds
 MAX_HALVINGS = 6
 STEP_TOLERANCE_MM = 0.02  # far below what a tracked pointer measures
+# After a step as short as this, or half of all, a measured surface keeps its matching:
+# points that change from face to face would never come to rest.
+MATCHED_MM = 0.3
 N_DRAWS = 100
 # What the posterior does not know of: other materials, another line along which the
 # skull holds. Errors over their bounds at the 90th percentile of 60 simulated shifts
-# (benchmarks/registration.py --first-seed 200 --cases 60, run with a factor of 1).
-MODEL_ERROR = 1.75
+# (benchmarks/registration.py --first-seed 200 --cases 60, run with factors of 1).
+MODEL_ERROR: Mapping[tuple[str, str], float] = {
+    ("pairs", "fixed"): 1.75,
+    ("pairs", "sliding"): 1.0,
+    ("surface", "fixed"): 1.0,
+    ("surface", "sliding"): 1.0,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +76,8 @@ class Registration:
     forces : (n_points, 3) array
         The nodal forces that explain the measurement, N; not unique.
     misfit_mm : float
-        Root mean square distance between measured and registered points.
+        Root mean square distance between measured and registered points; of a
+        measured surface, from it.
     held_out_mm : float
         The same for points that were left out, each predicted from the others.
     """
@@ -83,7 +99,10 @@ class Registrar:
     materials : mapping of region label to Material
         Only ratios of stiffness matter, since displacements are measured, not forces.
     fixed : str or integer array
-        Points held by the skull.
+        Points at the skull.
+    skull : str
+        "fixed" if they are held there, "sliding" if they may move along it (a row of
+        `physgnn.prediction.skull.SUPPORTS`).
     element : str
         See `physgnn.mechanics.SolverOptions`.
 
@@ -99,16 +118,22 @@ class Registrar:
         materials: Mapping[int, Material],
         fixed: str | NDArray[np.int64] = "fixed",
         *,
+        skull: str = "fixed",
         element: str = "tet4",
     ) -> None:
-        rest = RestState(mesh, materials, fixed, element=element)
-        self.mesh = mesh
-        self.modes = load_modes(mesh, rest)
-        self.tangent = TangentResponse(mesh, materials, rest.fixed, element)
+        if skull not in SUPPORTS:
+            raise InputError(
+                f"skull must be one of {', '.join(SUPPORTS)} (got '{skull}')"
+            )
+        self.mesh, self.skull = mesh, skull
+        self.fixed = fixed_points(mesh, fixed)
+        support = SUPPORTS[skull](mesh, materials, self.fixed)
+        self.tangent = TangentResponse(mesh, materials, support, element)
+        self.modes = load_modes(mesh, self.fixed, self._at_rest)
 
     def __call__(
         self,
-        pairs: PointPairs,
+        measured: PointPairs | SurfacePoints,
         *,
         noise_mm: float = 1.0,
         linear: bool = False,
@@ -119,10 +144,11 @@ class Registrar:
 
         Parameters
         ----------
-        pairs : PointPairs
-            Measured before and after, on the surface.
+        measured : PointPairs or SurfacePoints
+            Points of the surface before and after, or where the exposed surface lies.
         noise_mm : float
-            Standard deviation of each coordinate of a displacement, in (0, 20].
+            Standard deviation of each coordinate of a measured displacement or point,
+            in (0, 20].
         linear : bool
             Stop after the first step, linear elasticity.
         coverage : float
@@ -141,43 +167,55 @@ class Registrar:
                 f"(got {noise_mm}, {coverage})"
             )
         start = time.perf_counter()
-        search = _Search(self, pairs, noise_mm)
+        measurement: Measurement = (
+            MeasuredPairs(self.mesh, measured)
+            if isinstance(measured, PointPairs)
+            else MeasuredSurface(self.mesh, self.fixed, measured)
+        )
+        search = _Search(self, measurement, noise_mm)
         whole = search.linear_step() if linear else search.descend()
-        deviation, estimate = _spread(search.posterior, search.response, coverage, seed)
+        lengths = _error_lengths(search.posterior, search.response, seed)
+        lengths *= MODEL_ERROR[measurement.kind, self.skull]
+        estimate = _estimate(lengths, coverage)
         status = PredictionStatus.OK if whole else PredictionStatus.TOLERANCE_NOT_MET
         seconds = time.perf_counter() - start
         return Registration(
             prediction=Prediction(search.u, estimate, status, seconds),
-            deviation_mm=deviation,
+            deviation_mm=np.sqrt((lengths**2).mean(axis=0)),
             forces=_combined(self.modes.forces, search.w),
-            misfit_mm=_rms(search.misfit(search.u)),
+            misfit_mm=_rms(measurement.observe(search.u).missing),
             held_out_mm=_rms(search.posterior.held_out),
         )
+
+    def _at_rest(self, forces: FloatArray) -> FloatArray:
+        """Return what forces (k, n_points, 3) do by linear elasticity, mm."""
+        rest = np.zeros_like(self.mesh.points)
+        found = self.tangent(rest, forces.astype(np.float32))
+        if found is None:
+            raise InputError(
+                "the fixed points don't hold the body: its stiffness matrix is "
+                "singular; fix at least three points that are not in line"
+            )
+        return found[0].astype(np.float64)
 
 
 class _Search:
     """One descent from the rest state to the most probable displacement."""
 
-    def __init__(self, body: Registrar, pairs: PointPairs, noise: float) -> None:
-        self._body, self._noise = body, noise
-        self._d = pairs.displacement.ravel()
-        self._P: csr_array = surface_interpolation(body.mesh, pairs.source)
+    def __init__(self, body: Registrar, measurement: Measurement, noise: float) -> None:
+        self._body, self._measurement, self._noise = body, measurement, noise
         self.u = np.zeros_like(body.mesh.points)
         self.response: Fields = body.modes.response
         self._back = np.zeros_like(self.u)
-        A = self._at_points()
-        self._prior = choose_variances(A, self._d, body.modes.family, noise)
-        self.posterior: Posterior = condition(A, self._d, self._prior, noise)
+        self._seen, self._matches = measurement.observe(self.u), True
+        A, d = _matrix(self._seen, self.response), self._seen.missing
+        self._prior = choose_variances(A, d.ravel(), body.modes.family, noise)
+        self.posterior: Posterior = condition(A, d, self._prior, noise)
 
     @property
     def w(self) -> FloatArray:
         """The coefficients that go with `u` when the search has ended."""
         return self.posterior.mean
-
-    def misfit(self, u: FloatArray) -> FloatArray:
-        """Return measured minus registered displacement, (3n,)."""
-        residual: FloatArray = self._d - (self._P @ u).ravel()
-        return residual
 
     def linear_step(self) -> bool:
         """Take the answer of linear elasticity."""
@@ -186,9 +224,10 @@ class _Search:
 
     def descend(self) -> bool:
         """Step until steps are short; False if that was not reached."""
-        for _ in range(MAX_STEPS):
+        for count in range(MAX_STEPS):
             step = self._step()
             length = float(np.linalg.norm(step, axis=1).max())
+            self._matches = length > MATCHED_MM and count < MAX_STEPS // 2
             if not self._advance(step * min(1.0, LONGEST_STEP_MM / length)):
                 return False
             if length < STEP_TOLERANCE_MM:
@@ -204,42 +243,51 @@ class _Search:
             u = self.u + step / 2**halvings
             found = self._body.tangent(u, self._body.modes.forces)
             if found is not None:
+                self._seen = (
+                    self._measurement.observe(u)
+                    if self._matches
+                    else self._seen.after(u - self.u)
+                )
                 self.u, (self.response, self._back) = u, found
-                unexplained = self.misfit(self.u + self._back)
                 self.posterior = condition(
-                    self._at_points(), unexplained, self._prior, self._noise
+                    _matrix(self._seen, self.response),
+                    self._seen.missing - self._seen.of(self._back),
+                    self._prior,
+                    self._noise,
                 )
                 return True
         return False
 
-    def _at_points(self) -> FloatArray:
-        """Return what each mode does to each measured coordinate, A = P K⁻¹ B."""
-        rows = [(self._P @ u).ravel() for u in self.response]
-        return np.array(rows, dtype=np.float64).T
+
+def _matrix(seen: Observation, response: Fields) -> FloatArray:
+    """Return what each mode does to each measured component, A = P K⁻¹ B."""
+    rows = [seen.of(u.astype(np.float64)).ravel() for u in response]
+    return np.array(rows).T
 
 
-def _spread(
-    posterior: Posterior, response: Fields, coverage: float, seed: int
-) -> tuple[FloatArray, ErrorEstimate]:
-    """Return each point's deviation, and bounds on the mean and largest error."""
+def _error_lengths(posterior: Posterior, response: Fields, seed: int) -> FloatArray:
+    """Return the lengths of errors drawn from the posterior, (n_draws, n_points)."""
     variances, axes = np.linalg.eigh(posterior.covariance)
     z = np.random.default_rng(seed).standard_normal((N_DRAWS, len(variances)))
     draws = (z * np.sqrt(np.maximum(variances, 0.0))) @ axes.T
     errors = np.tensordot(draws.astype(np.float32), response, 1)
-    lengths = np.linalg.norm(errors, axis=2).astype(np.float64)
-    lengths *= MODEL_ERROR * max(1.0, posterior.surprise)
+    lengths: FloatArray = np.linalg.norm(errors, axis=2).astype(np.float64)
+    return lengths * max(1.0, posterior.surprise)
+
+
+def _estimate(lengths: FloatArray, coverage: float) -> ErrorEstimate:
+    """Return bounds on the mean and the largest error."""
     mean, largest = (
         float(np.quantile(size, coverage))
         for size in (lengths.mean(axis=1), lengths.max(axis=1))
     )
-    deviation: FloatArray = np.sqrt((lengths**2).mean(axis=0))
-    return deviation, ErrorEstimate(mean, largest, coverage)
+    return ErrorEstimate(mean, largest, coverage)
 
 
 def _combined(fields: Fields, w: FloatArray) -> FloatArray:
     return np.tensordot(w, fields, 1).astype(np.float64)
 
 
-def _rms(residual: FloatArray) -> float:
-    """Root mean square length of the vectors whose components these are."""
-    return float(np.sqrt(3 * (residual**2).mean()))
+def _rms(missing: FloatArray) -> float:
+    """Root mean square length of rows."""
+    return float(np.sqrt((missing**2).sum(axis=1).mean()))

@@ -10,6 +10,7 @@ from physgnn.mechanics.assembly import assemble_tangent, make_pattern
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.materials.table import Material
+from physgnn.prediction.skull import Support
 
 FloatArray = NDArray[np.float64]
 Fields = NDArray[np.float32]
@@ -22,7 +23,8 @@ class TangentResponse:
     ----------
     mesh : TetMesh
     materials : mapping of region label to Material
-    fixed : integer array
+    support : Support
+        How the skull holds it.
     element : str
         As in `SolverOptions`.
     """
@@ -31,13 +33,14 @@ class TangentResponse:
         self,
         mesh: TetMesh,
         materials: Mapping[int, Material],
-        fixed: NDArray[np.int64],
+        support: Support,
         element: str,
     ) -> None:
         self._elements = make_elements(mesh, materials, element)
         self._pattern = make_pattern(
-            mesh.cells, mesh.n_points, fixed, self._elements.averaging
+            mesh.cells, mesh.n_points, support.held, self._elements.averaging
         )
+        self._support = support
         # Responses are kept in single precision: so may be their factor.
         self._linear = make_linear_solver(self._pattern, precision="single")
 
@@ -63,7 +66,9 @@ class TangentResponse:
         inner, inverted = internal_force(self._elements, displacement)
         if inverted >= 0:
             return None
+        self._support.add_force(displacement, inner)
         data, _ = assemble_tangent(self._elements, self._pattern, displacement)
+        self._support.add_tangent(self._pattern, data)
         if not self._linear.factorize(data):
             return None
         free = self._pattern.free

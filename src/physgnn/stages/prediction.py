@@ -12,26 +12,43 @@ def predict(
     load: str | Path,
     out: str | Path,
     *,
+    form: str | None = None,
+    image: str | Path | None = None,
     tolerance_mm: float | None = None,
     linear: bool = False,
 ) -> "Prediction":
-    """Answer a load case from a JSON file and write the mesh with its displacement.
+    """Answer a load case from a JSON file and write the displacement.
 
     Parameters
     ----------
     run : path
         Folder of a trained model.
-    load, out : path
-        JSON in, VTU out.
+    load : path
+        JSON.
+    out : path
+        Where the answer goes; its suffix decides in what form.
+    form : str, optional
+        A row of `physgnn.io.answer_files.FORMS`, where the suffix leaves a choice.
+    image : path, optional
+        NIfTI whose voxels an answer on voxels has; by default 2 mm around the body.
     tolerance_mm : float, optional
         See `physgnn.prediction.Predictor`.
     linear : bool
         Write the linear solution beside the prediction.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, or the answer not be written so.
     """
-    from physgnn.io import read_load_case, write_prediction
+    from physgnn.io import read_load_case
+    from physgnn.io.answer_files import Answer, form_of
+    from physgnn.io.nifti import read_image
     from physgnn.prediction.linear import linear_answer
     from physgnn.prediction.predictor import Predictor
 
+    write = form_of(out, form).write
+    grid = None if image is None else read_image(image).grid
     predictor = Predictor.load(run)
     body = predictor.body
     case = read_load_case(load, body.mesh)
@@ -40,5 +57,5 @@ def predict(
     if linear:
         fields["linear_displacement_mm"] = linear_answer(body)(case)
     fields["force_n"] = case.on_points(body.mesh.n_points)
-    write_prediction(out, body.mesh, fields)
+    write(Path(out), Answer(body.mesh, fields, grid))
     return prediction

@@ -1,11 +1,17 @@
-"""From measured points to the displacement of a whole brain."""
+"""From what is measured of a surface to the displacement of a whole brain."""
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from physgnn.io import read_mesh, write_prediction
+from physgnn.errors import InputError
+from physgnn.geometry.point_pairs import PointPairs
+from physgnn.geometry.surface_points import SurfacePoints
+from physgnn.io import read_mesh
+from physgnn.io.answer_files import Answer, form_of
 from physgnn.io.markups import read_point_pairs
+from physgnn.io.measured_surface import read_surface_points
+from physgnn.io.nifti import read_image
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
 
@@ -20,48 +26,60 @@ DEFAULT_MATERIALS: Mapping[int, Material] = {
 
 def register(
     mesh: str | Path,
-    points: str | Path,
     out: str | Path,
     *,
+    points: str | Path | None = None,
     target: str | Path | None = None,
+    surface: str | Path | None = None,
+    form: str | None = None,
+    image: str | Path | None = None,
     noise_mm: float = 1.0,
-    materials: Mapping[int, Material] | None = None,
-    fixed: str = "fixed",
+    **body: Any,
 ) -> "Registration":
-    """Find the displacement of a whole brain from measured points of its surface.
+    """Find the displacement of a whole brain from what was measured of its surface.
 
     Parameters
     ----------
     mesh : path
-        VTU with the point set that the skull holds.
-    points, target : path
-        See `physgnn.io.markups.read_point_pairs`.
+        VTU with the point set of the skull.
     out : path
-        VTU; `physgnn warp` takes it.
+        Where the displacement goes; `physgnn warp` takes a VTU.
+    points, target : path
+        Points before and after: see `physgnn.io.markups.read_point_pairs`.
+    surface : path
+        Instead of these, where the exposed surface lies now: see
+        `physgnn.io.measured_surface.read_surface_points`.
+    form, image
+        See `physgnn.stages.predict`.
     noise_mm : float
-        Standard deviation of each coordinate of a measured displacement.
-    materials : mapping of region to Material, optional
-        By default the tissues of the published work; displacements depend on ratios of
-        stiffness only.
-    fixed : str
-        Name of the point set.
+        Standard deviation of each coordinate measured.
+    **body
+        ``materials`` (by region; by default the tissues of the published work: only
+        ratios of stiffness matter), ``fixed``, ``skull`` and ``element`` of
+        `physgnn.prediction.registration.Registrar`.
 
     Raises
     ------
     InputError
-        If a file cannot be used, or points are far from the surface.
+        If a file cannot be used, or the points are far from the surface.
     """
     from physgnn.prediction.registration import Registrar
 
-    body = read_mesh(mesh)
-    pairs = read_point_pairs(points, target)
-    found = Registrar(body, materials or DEFAULT_MATERIALS, fixed)(
-        pairs, noise_mm=noise_mm
-    )
+    write = form_of(out, form).write
+    grid = None if image is None else read_image(image).grid
+    if points is not None and surface is None:
+        measured: PointPairs | SurfacePoints = read_point_pairs(points, target)
+    elif surface is not None and points is None and target is None:
+        measured = read_surface_points(surface)
+    else:
+        raise InputError("give --points (and --target), or --surface")
+    case = read_mesh(mesh)
+    materials = {**DEFAULT_MATERIALS, **body.pop("materials", {})}
+    found = Registrar(case, materials, **body)(measured, noise_mm=noise_mm)
     fields = {
         "displacement_mm": found.prediction.displacement,
         "deviation_mm": found.deviation_mm,
         "force_n": found.forces,
     }
-    write_prediction(out, body, fields)
+    write(Path(out), Answer(case, fields, grid))
     return found

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from physgnn.errors import InputError
@@ -17,6 +16,7 @@ from physgnn.imaging import (
     round_trip_mm,
     warp,
 )
+from physgnn.imaging.slices import middle_of_shift
 from physgnn.io.atomic import whole_file
 from physgnn.io.displacement_files import write_field
 from physgnn.io.nifti import read_image, read_segmentation, write_image
@@ -82,9 +82,7 @@ def warp_image(
     if jacobian is not None:
         write_image(jacobian, jacobian_image(mesh, u, before.grid))
     if slices is not None:
-        most = int(np.linalg.norm(u, axis=1).argmax())
-        centre = (mesh.points[most] + mesh.points.mean(axis=0)) / 2
-        _save_figure(slices, before_after(before, after, centre))
+        _save_figure(slices, before_after(before, after, middle_of_shift(mesh, u)))
     return after
 
 

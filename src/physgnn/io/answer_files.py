@@ -1,0 +1,140 @@
+"""A displacement in the form that the next program wants; the file's name decides.
+
+To add a form, write a function and a row in ``FORMS``.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.errors import InputError
+from physgnn.geometry.image import ImageGrid
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.imaging import (
+    FADE_PER_DISPLACEMENT,
+    deformed_labels,
+    forward_field,
+    grid_around,
+    inverse_field,
+)
+from physgnn.io.displacement_files import write_field
+from physgnn.io.nifti import SUFFIXES, write_image
+from physgnn.io.prediction_file import DISPLACEMENT, write_deformed
+from physgnn.io.vtu import write_prediction
+
+FloatArray = NDArray[np.float64]
+IMAGES = tuple(reversed(SUFFIXES))
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A body, how it moves, and on which voxels that may be asked for.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The rest state.
+    fields : mapping of str to array
+        On its points; ``displacement_mm`` is among them.
+    grid : ImageGrid, optional
+        Of images; by default 2 mm voxels around the body.
+    """
+
+    mesh: TetMesh
+    fields: Mapping[str, FloatArray]
+    grid: ImageGrid | None = None
+
+    @property
+    def displacement(self) -> FloatArray:
+        """On the mesh's points, (n_points, 3), mm."""
+        return self.fields[DISPLACEMENT]
+
+    @property
+    def voxels(self) -> ImageGrid:
+        """The grid, or one that holds the body and the fade around it."""
+        if self.grid is not None:
+            return self.grid
+        largest = float(np.linalg.norm(self.displacement, axis=1).max())
+        margin = max(30.0, FADE_PER_DISPLACEMENT * largest)
+        return grid_around(self.mesh, margin_mm=margin)
+
+
+@dataclass(frozen=True)
+class Form:
+    """One way to write an answer.
+
+    Attributes
+    ----------
+    suffixes : tuple of str
+        What its files are called; the first is what messages name.
+    write : callable
+        Writes the answer.
+    """
+
+    suffixes: tuple[str, ...]
+    write: Callable[[Path, Answer], None]
+
+
+def form_of(path: str | Path, name: str | None = None) -> Form:
+    """Return the form that a file is written in.
+
+    Parameters
+    ----------
+    path : path
+        Where the answer goes.
+    name : str, optional
+        A row of ``FORMS``; by default the first that has the file's suffix.
+
+    Raises
+    ------
+    InputError
+        If there is no such form, or it is written in other files.
+    """
+    if name is not None and name not in FORMS:
+        raise InputError(f"form must be one of {', '.join(FORMS)} (got '{name}')")
+    for form in FORMS.values() if name is None else [FORMS[name]]:
+        if Path(path).name.endswith(form.suffixes):
+            return form
+    wanted = [suffix for form in FORMS.values() for suffix in form.suffixes]
+    if name is not None:
+        wanted = list(FORMS[name].suffixes)
+    of = "an answer" if name is None else f"form '{name}'"
+    raise InputError(
+        f"{path}: {of} is written as {', '.join(dict.fromkeys(wanted))} "
+        f"(got '{Path(path).name}')"
+    )
+
+
+def _write_rest(path: Path, answer: Answer) -> None:
+    write_prediction(path, answer.mesh, answer.fields)
+
+
+def _write_deformed(path: Path, answer: Answer) -> None:
+    write_deformed(path, answer.mesh, answer.displacement)
+
+
+def _write_forward(path: Path, answer: Answer) -> None:
+    field = forward_field(answer.mesh, answer.displacement, answer.voxels)
+    write_field(path, field, convention="ras")
+
+
+def _write_inverse(path: Path, answer: Answer) -> None:
+    write_field(path, inverse_field(answer.mesh, answer.displacement, answer.voxels))
+
+
+def _write_labels(path: Path, answer: Answer) -> None:
+    write_image(path, deformed_labels(answer.mesh, answer.displacement, answer.voxels))
+
+
+# Where two forms share a suffix, the first is what the name alone stands for.
+FORMS: Mapping[str, Form] = {
+    "rest": Form((".vtu",), _write_rest),
+    "deformed": Form((".vtp", ".vtu"), _write_deformed),
+    "transform": Form((".h5",), _write_inverse),
+    "field": Form(IMAGES, _write_forward),
+    "itk-field": Form(IMAGES, _write_inverse),
+    "labels": Form(IMAGES, _write_labels),
+}
