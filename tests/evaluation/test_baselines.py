@@ -1,52 +1,67 @@
-"""Baselines know what they may know, and nothing else."""
+"""Baselines are made where they apply, and learn from what they may see."""
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from physgnn.dataset.split import split_path, split_published
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.evaluation.baselines import LevelInterpolation, baselines
-from physgnn.mechanics.loads import LoadCase
+from physgnn.evaluation.baselines import (
+    BASELINES,
+    QUICK,
+    baseline_rows,
+    named_baselines,
+)
+from physgnn.evaluation.held_out import HeldOut
+from physgnn.prediction.classical import REGRESSORS
 
 
-@given(kept=st.sets(st.integers(0, 5), min_size=1), factor=st.floats(0.01, 1.0))
-def test_interpolation_is_exact_where_displacement_is_linear_in_the_level(
-    store: Store, kept: set[int], factor: float
-) -> None:
-    """Between levels, below the first and above the last."""
-    train = np.array([[3, level] for level in sorted(kept)])
-    full = store.load_path(3)
-    case = LoadCase(full.nodes, factor * full.forces)
-    answer = LevelInterpolation(store, train)(case)
-    expected = factor * store.displacement(3)[-1]
-    np.testing.assert_allclose(answer, expected, atol=1e-5)
+def names(held_out: HeldOut, seeds: tuple[int, ...] = (0,)) -> list[str]:
+    return [row.name for row in baseline_rows(BASELINES, held_out, seeds=seeds)]
 
 
-def test_interpolation_reads_no_level_it_was_not_given(store: Store) -> None:
-    train = store.samples()
-    train = train[train[:, 1] != 2]
-    levels = LevelInterpolation(store, train)._levels
-    assert all(2 not in kept for kept in levels.values())
+def test_baselines_are_offered_where_they_apply(store: Store) -> None:
+    """Interpolation needs the tested paths, learners need something to learn from."""
+    published, path, mesh = (
+        names(HeldOut.of(store, split)) for split in ("published", "path", "mesh")
+    )
+    assert published == list(BASELINES)
+    assert path == [name for name in BASELINES if name != "level_interpolation"]
+    assert mesh == ["zero", "linear"]
 
 
-def test_interpolation_refuses_a_path_it_does_not_know(store: Store) -> None:
-    train = store.samples()
-    known = LevelInterpolation(store, train[train[:, 0] != 1])
-    with pytest.raises(InputError, match="own path"):
-        known(store.load_case(1, 0))
+def test_only_what_draws_is_made_for_every_seed(store: Store) -> None:
+    offered = names(HeldOut.of(store, "path"), seeds=(3, 4))
+    assert offered.count("linear") == 1
+    assert offered.count("extra_trees") == 2
 
 
-def test_interpolation_is_offered_for_the_published_split_only(store: Store) -> None:
-    published, path = split_published(store), split_path(store)
-    offered = baselines(store, published.train, published.test)
-    assert list(offered) == ["zero", "linear", "level_interpolation"]
-    assert list(baselines(store, path.train, path.test)) == ["zero", "linear"]
+def test_unknown_baseline_names_those_there_are(store: Store) -> None:
+    with pytest.raises(InputError, match=r"no baseline 'magic' .*linear"):
+        baseline_rows(["magic"], HeldOut.of(store, "path"))
+
+
+def test_names_on_the_command_line() -> None:
+    assert named_baselines("all") == tuple(BASELINES)
+    assert named_baselines("quick") == QUICK
+    assert named_baselines("zero, linear") == ("zero", "linear")
 
 
 def test_zero(store: Store) -> None:
-    samples = store.samples()
-    predict = baselines(store, samples, samples)["zero"]
-    assert not predict(store.load_case(0, 0)).displacement.any()
+    (row,) = baseline_rows(["zero"], HeldOut.of(store, "path"))
+    assert not row.make()(store.load_case(0, 0)).displacement.any()
+
+
+def test_learners_are_fitted_to_the_training_part_alone(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held_out, seen = HeldOut.of(store, "path"), set()
+    read = Store.displacement
+
+    def watched(self: Store, path: int) -> np.ndarray:
+        seen.add(path)
+        return read(self, path)
+
+    monkeypatch.setattr(Store, "displacement", watched)
+    for row in baseline_rows(REGRESSORS, held_out):
+        row.make()
+    assert seen == set(held_out.train[:, 0].tolist())

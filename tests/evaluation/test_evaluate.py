@@ -1,5 +1,6 @@
 """Pooled and per-sample errors against everything computed at once."""
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -7,35 +8,47 @@ import pytest
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.evaluation.evaluate import evaluate
+from physgnn.evaluation.evaluate import evaluate, measure
+from physgnn.evaluation.held_out import NONE, HeldOut
 from physgnn.evaluation.metrics import points_near, points_of_region
 from physgnn.evaluation.result import Report
+from physgnn.evaluation.rows import Row
 from physgnn.learning.interface import Body
 from physgnn.mechanics.loads import LoadCase
+from physgnn.prediction.prediction import Answer, Prediction
 from physgnn.prediction.predictor import Predictor
 
 
-def swaying(store: Store) -> Predictor:
+def rows(store: Store, **answers: Answer) -> list[Row]:
+    body = Body.of(store)
+    return [
+        Row(name, make=lambda answer=answer: Predictor(body, answer))
+        for name, answer in answers.items()
+    ]
+
+
+def swaying(store: Store) -> Answer:
     """A wrong predictor whose error depends on load and node."""
     points = store.mesh.points
 
     def answer(case: LoadCase) -> np.ndarray:
         return points * case.forces.sum() * 10
 
-    return Predictor(Body.of(store), answer)
+    return answer
 
 
 @pytest.fixture(scope="module")
 def report(store: Store) -> Report:
     samples = store.samples()[::-2]  # latest first, every other level
-    return evaluate({"swaying": swaying(store)}, store, samples, split="some")
+    held_out = HeldOut(store, "some", NONE, samples)
+    return evaluate(rows(store, swaying=swaying(store)), held_out)
 
 
 def test_against_brute_force(store: Store, report: Report) -> None:
     samples = sorted(map(tuple, store.samples()[::-2].tolist()))
     truth = np.stack([store.displacement(p)[k] for p, k in samples]).astype(float)
     predict = swaying(store)
-    answers = [predict(store.load_case(p, k)).displacement for p, k in samples]
+    answers = [predict(store.load_case(p, k)) for p, k in samples]
     error = np.linalg.norm(truth - np.stack(answers), axis=2)
     size = np.linalg.norm(truth, axis=2)
     model = report.model("swaying")
@@ -79,28 +92,57 @@ def test_the_truth_has_no_error(store: Store) -> None:
         return store.displacement(2)[level].astype(float)
 
     samples = np.array([[2, level] for level in range(store.n_levels)])
-    predictors = {"truth": Predictor(Body.of(store), truth)}
-    model = evaluate(predictors, store, samples).model("truth")
+    held_out = HeldOut(store, "some", NONE, samples)
+    model = evaluate(rows(store, truth=truth), held_out).model("truth")
     assert model.euclidean.largest == 0
     assert model.euclidean.percentile_99 == 0
     assert model.euclidean.within_1mm == 1
     assert model.summary.relative_mean == 0
 
 
-def test_progress_counts_samples(store: Store) -> None:
-    calls: list[tuple[int, int]] = []
+def test_progress_counts_samples_of_all_rows(store: Store) -> None:
+    calls: list[tuple[int, int, str]] = []
     evaluate(
-        {"swaying": swaying(store)},
-        store,
-        store.samples()[:4],
-        progress=lambda done, total, _: calls.append((done, total)),
+        rows(store, one=swaying(store), two=swaying(store)),
+        HeldOut(store, "some", NONE, store.samples()[:2]),
+        progress=lambda *call: calls.append(call),
     )
-    assert calls == [(1, 4), (2, 4), (3, 4), (4, 4)]
+    assert calls == [(1, 4, "one"), (2, 4, "one"), (3, 4, "two"), (4, 4, "two")]
 
 
-def test_no_samples_is_an_input_error(store: Store) -> None:
-    with pytest.raises(InputError, match="no samples to evaluate"):
-        evaluate({}, store, np.empty((0, 2), dtype=np.int64), split="path")
+def test_predictors_are_made_one_after_another(store: Store) -> None:
+    alive: list[str] = []
+
+    class Watched:
+        def __init__(self, name: str) -> None:
+            assert alive == []
+            alive.append(name)
+            self.answer = Predictor(Body.of(store), swaying(store))
+
+        def __call__(self, case: LoadCase, **_: object) -> Prediction:
+            return self.answer(case)
+
+        def __del__(self) -> None:
+            alive.clear()
+
+    two = [Row(name, make=lambda name=name: Watched(name)) for name in "ab"]
+    evaluate(two, HeldOut(store, "some", NONE, store.samples()[:1]))
+
+
+def test_training_time_is_what_making_takes_unless_it_is_known(store: Store) -> None:
+    held_out = HeldOut(store, "some", NONE, store.samples()[:1])
+
+    def busy() -> Predictor:
+        end = time.process_time() + 0.3
+        while time.process_time() < end:
+            pass
+        return Predictor(Body.of(store), swaying(store))
+
+    measured = measure(Row("busy", busy, seed=2), held_out)
+    assert measured.minutes is not None
+    assert measured.minutes * 60 == pytest.approx(0.3, abs=0.2)
+    assert measured.seed == 2
+    assert measure(Row("busy", busy, minutes=44.0), held_out).minutes == 44.0
 
 
 def test_json_round_trip(report: Report, tmp_path: Path) -> None:

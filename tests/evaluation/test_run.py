@@ -5,12 +5,13 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+import torch
 
 from physgnn.dataset.split import split_path, split_published
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.evaluation.result import Report
-from physgnn.evaluation.run import evaluate_run
+from physgnn.evaluation.run import Comparison, evaluate_run, evaluate_runs
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.interface import Body
 from physgnn.learning.models import build_model
@@ -38,16 +39,23 @@ class Tags(HTMLParser):
         assert self.open.pop() == tag
 
 
-@pytest.fixture(scope="module")
-def run(store: Store, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An untrained network in a run folder, calibrated."""
-    folder = tmp_path_factory.mktemp("run")
-    split, config = split_path(store), TrainingConfig(options={"width": 8})
+def untrained(store: Store, folder: Path, seed: int) -> Path:
+    """A run folder of a network as it is before training."""
+    split = split_path(store)
+    config = TrainingConfig(options={"width": 8}, seed=seed)
+    torch.manual_seed(seed)
     model = build_model(config.model, Body.of(store), **config.options)
     model.fit(store, split.train)
     record = with_result(new_record(store, split, config), loss=1.0, minutes=0.5)
     Checkpoint(model, record).save(folder)
-    calibrate_run(folder, store, split)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def run(store: Store, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One of them, calibrated."""
+    folder = untrained(store, tmp_path_factory.mktemp("run"), seed=0)
+    calibrate_run(folder, store, split_path(store))
     return folder
 
 
@@ -66,7 +74,7 @@ def test_what_it_writes(run: Path, report: Report, page: str) -> None:
     folder = run / "evaluation-path"
     assert Report.read(folder / "metrics.json") == report
     names = {path.name for path in folder.iterdir()}
-    assert names == {"metrics.json", "report.html", "figures"}
+    assert names == {"metrics.json", "report.html", "figures", "rows"}
     assert len(list((folder / "figures").glob("*.png"))) == 2 * page.count("<figure>")
 
 
@@ -105,5 +113,32 @@ def test_samples_of_the_training_set_are_refused(run: Path, store: Store) -> Non
 
 
 def test_unknown_split_names_those_there_are(run: Path, store: Store) -> None:
-    with pytest.raises(InputError, match="node, path, published"):
+    with pytest.raises(InputError, match="mesh, node, path, published"):
         evaluate_run(run, store.path, "random")
+
+
+def test_seeds_of_one_model_are_one_row_beside_a_tolerance(
+    run: Path, store: Store, tmp_path: Path
+) -> None:
+    other = untrained(store, tmp_path / "run-1", seed=1)
+    comparison = Comparison(("zero", "pod_network"), tolerance_mm=0.5)
+    report = evaluate_runs(
+        [run, other], store.path, comparison=comparison, out=tmp_path / "both"
+    )
+    kinds = [[(m.name, m.seed) for m in seeds] for seeds in report.groups]
+    assert kinds == [
+        [("zero", None)],
+        [("pod_network", 0), ("pod_network", 1)],
+        [("certified", 0)],
+        [("physgnn", 0), ("physgnn", 1)],
+    ]
+    assert report.model("certified").tolerance_mm == 0.5
+    assert report.model("physgnn").minutes == 0.5
+    page = (tmp_path / "both" / "report.html").read_text("utf-8")
+    assert "Certified to 0.5 mm" in page
+    assert "Predictions made to keep a tolerance" in page
+
+
+def test_a_trained_mesh_is_not_an_unseen_one(run: Path, store: Store) -> None:
+    with pytest.raises(InputError, match="trained on the mesh of"):
+        evaluate_run(run, store.path, "mesh")

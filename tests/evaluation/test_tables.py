@@ -1,27 +1,25 @@
 """Numbers as people read them, and the published ones beside ours."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from physgnn.dataset.store import Store
-from physgnn.evaluation.baselines import baselines
+from physgnn.evaluation.baselines import QUICK, baseline_rows
 from physgnn.evaluation.evaluate import evaluate
+from physgnn.evaluation.formats import duration, minutes, mm, percent
+from physgnn.evaluation.held_out import HeldOut
+from physgnn.evaluation.published_tables import extremes_table, protocol_table
 from physgnn.evaluation.result import Report
-from physgnn.evaluation.tables import (
-    accuracy_table,
-    duration,
-    extremes_table,
-    level_table,
-    mm,
-    percent,
-    protocol_table,
-)
+from physgnn.evaluation.tables import accuracy_table, level_table, tolerance_table
 
 
 @pytest.fixture(scope="module")
 def report(store: Store) -> Report:
     samples = store.samples()
-    return evaluate(baselines(store, samples, samples), store, samples, split="path")
+    held_out = HeldOut(store, "path", samples, samples)
+    return evaluate(baseline_rows(QUICK, held_out), held_out)
 
 
 @pytest.mark.parametrize(
@@ -49,6 +47,7 @@ def test_per_cent_never_rounds_up_to_all() -> None:
 
 def test_durations() -> None:
     assert (duration(0.0123), duration(12.34)) == ("12.3 ms", "12.3 s")
+    assert (minutes(0.0), minutes(2.51), minutes(44)) == ("—", "2.5 min", "44 min")
 
 
 def test_every_row_is_as_wide_as_its_header(report: Report) -> None:
@@ -83,3 +82,41 @@ def test_level_table_shows_first_and_last_level(report: Report) -> None:
     assert table.columns[1] == "17 % load"
     zero = [float(cell) for cell in table.rows[0][1:]]
     assert (np.diff(zero) > 0).all()
+
+
+def reseeded(report: Report, errors: list[float]) -> Report:
+    """The linear row, once a seed, with these mean errors."""
+    linear = report.model("linear")
+    seeds = [
+        replace(
+            linear,
+            seed=seed,
+            by_component={
+                **linear.by_component,
+                "euclidean": replace(linear.euclidean, mean=mean),
+            },
+        )
+        for seed, mean in enumerate(errors)
+    ]
+    return replace(report, models=(report.models[0], *seeds))
+
+
+def test_seeds_are_one_row_of_mean_and_spread(report: Report) -> None:
+    table = accuracy_table(reseeded(report, [0.1, 0.2, 0.6]))
+    assert len(table.rows) == 2
+    assert table.rows[1][1] == "0.300 ± 0.265"
+    assert "over training seeds (up to 3)" in table.note
+    assert "±" not in accuracy_table(report).note
+
+
+def test_a_tolerance_has_a_table_of_its_own(report: Report) -> None:
+    assert tolerance_table(report) is None
+    linear = report.model("linear")
+    largest = sorted(sample.largest for sample in linear.samples)
+    kept = replace(linear, name="certified", tolerance_mm=largest[len(largest) // 2])
+    table = tolerance_table(replace(report, models=(kept,)))
+    assert table is not None
+    (row,) = table.rows
+    share = np.mean(np.array(largest) <= kept.tolerance_mm)
+    assert row[2] == percent(float(share))
+    assert row[-1] == f"{len(largest)} ok"

@@ -35,22 +35,44 @@ Grid = Annotated[
 
 
 def evaluate(
-    run: Run,
-    split: Annotated[str, typer.Option(help="path, node or published.")] = "path",
+    runs: Annotated[
+        list[Path],
+        typer.Argument(help="Folders of trained models; seeds of one make one row."),
+    ],
+    split: Annotated[
+        str, typer.Option(help="path, node, published, or mesh (with --store).")
+    ] = "path",
     store: Annotated[
         Path | None, typer.Option(help="Dataset; by default the one trained on.")
     ] = None,
+    baselines: Annotated[
+        str, typer.Option(help="quick, all, or names with commas between.")
+    ] = "quick",
+    tolerance_mm: Annotated[
+        float | None, typer.Option(help="Add a row that repairs what exceeds this.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Folder; else in the last run's.")
+    ] = None,
 ) -> None:
-    """Measure a trained network on held-out samples: tables, figures, report."""
-    data = stages.store_of(run) if store is None else store
+    """Measure trained networks on held-out samples: tables, figures, report."""
+    data = stages.store_of(runs[-1]) if store is None else store
     with progress("evaluating") as move:
-        from physgnn.evaluation.run import evaluate_run
+        from physgnn.evaluation.baselines import named_baselines
+        from physgnn.evaluation.run import Comparison, evaluate_runs
         from physgnn.evaluation.tables import accuracy_table
 
-        command = stages.command_line()
-        report = evaluate_run(run, data, split, command=command, progress=move)
+        report = evaluate_runs(
+            runs,
+            data,
+            split,
+            comparison=Comparison(named_baselines(baselines), tolerance_mm),
+            out=out,
+            command=stages.command_line(),
+            progress=move,
+        )
     print(accuracy_table(report).text())
-    print(f"\nreport: {run / f'evaluation-{split}' / 'report.html'}")
+    print(f"\nreport: {(out or runs[-1] / f'evaluation-{split}') / 'report.html'}")
 
 
 def predict(

@@ -5,6 +5,7 @@ from physgnn.dataset.presets import PRESETS, Preset
 from physgnn.dataset.split import (
     SPLITS,
     Split,
+    named_split,
     split_node,
     split_path,
     split_published,
@@ -22,6 +23,7 @@ __all__ = [
     "Store",
     "Verification",
     "generate",
+    "named_split",
     "split_node",
     "split_path",
     "split_published",

@@ -1,8 +1,10 @@
 """Which samples train, validate and test a network: the published way, and honest ways.
 
 Neighbouring levels of one load path are almost the same sample, so a split that mixes
-them measures interpolation (docs/evaluation.md). `split_path` holds out whole paths and
-`split_node` whole sets of loaded nodes.
+them measures interpolation (docs/results.md). `split_path` holds out whole paths and
+`split_node` whole sets of loaded nodes: of the published datasets only the first has
+such sets, since all paths of the second load the same hundred nodes. To hold out whole
+meshes takes another store.
 """
 
 import random
@@ -99,6 +101,13 @@ SPLITS: dict[str, Callable[..., Split]] = {
     "path": split_path,
     "node": split_node,
 }
+
+
+def named_split(name: str, store: Store) -> Split:
+    """Return a split by its name; InputError names those there are."""
+    if name not in SPLITS:
+        raise InputError(f"no split '{name}' (there are: {', '.join(sorted(SPLITS))})")
+    return SPLITS[name](store)
 
 
 def _split_groups(name: str, store: Store, group: IntArray, seed: int) -> Split:

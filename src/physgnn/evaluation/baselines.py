@@ -1,91 +1,105 @@
 """Baselines that every model is shown beside, each a predictor like any other."""
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
-from physgnn.dataset.store import Store
+import numpy as np
+
 from physgnn.errors import InputError
+from physgnn.evaluation.held_out import HeldOut
+from physgnn.evaluation.level_interpolation import LevelInterpolation
+from physgnn.evaluation.rows import Row
 from physgnn.learning.interface import Body
-from physgnn.mechanics.loads import LoadCase
+from physgnn.prediction.classical import REGRESSORS, regressor_answer
 from physgnn.prediction.linear import linear_answer
+from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import Predictor
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
-SAME_DIRECTION = 1 - 1e-10  # cosine between two force fields of the same load path
+@dataclass(frozen=True)
+class Baseline:
+    """How to make a predictor to compare with.
 
-
-class LevelInterpolation:
-    """Interpolates between the neighbouring training levels of the same load path.
-
-    It has learnt nothing: what it reaches is what a split gives away (PROTOCOL §9).
-    The rest state counts as a training level; above the highest one the last two are
-    extrapolated.
-
-    Parameters
+    Attributes
     ----------
-    store : Store
-    train : (n, 2) integer array
-        Rows of (path, level) it may look up.
+    make : callable
+        From what is held out and a seed to the predictor.
+    applies : callable
+        Whether it can be made at all.
+    draws : bool
+        Whether it depends on the seed.
     """
 
-    def __init__(self, store: Store, train: IntArray) -> None:
-        self._store = store
-        self._levels = {
-            int(path): np.sort(train[train[:, 0] == path, 1])
-            for path in np.unique(train[:, 0])
-        }
-
-    def knows(self, samples: IntArray) -> bool:
-        """Return whether every sample's load path has levels in the training set."""
-        return bool(np.isin(samples[:, 0], list(self._levels)).all())
-
-    def __call__(self, load_case: LoadCase) -> FloatArray:
-        """Return the interpolated displacement.
-
-        Raises
-        ------
-        InputError
-            If no training sample lies on this load's path.
-        """
-        path, factor = self._find(load_case)
-        levels = self._levels[path]
-        factors = np.concatenate([[0.0], self._store.load_factors[levels]])
-        above = int(np.clip(np.searchsorted(factors, factor), 1, len(factors) - 1))
-        weight = (factor - factors[above - 1]) / (factors[above] - factors[above - 1])
-        known = self._store.displacement(path)
-        upper = known[levels[above - 1]]
-        lower = known[levels[above - 2]] if above > 1 else np.zeros_like(upper)
-        answer: FloatArray = lower + weight * (upper.astype(np.float64) - lower)
-        return answer
-
-    def _find(self, case: LoadCase) -> tuple[int, float]:
-        """Return the path whose forces are parallel to the case's, and the factor."""
-        size = float(np.linalg.norm(case.forces))
-        for path in self._levels:
-            known = self._store.load_path(path)
-            if not np.array_equal(known.nodes, case.nodes):
-                continue
-            full = float(np.linalg.norm(known.forces))
-            if np.vdot(known.forces, case.forces) >= SAME_DIRECTION * full * size:
-                return path, size / full
-        raise InputError(
-            "level interpolation needs training samples on the load's own path "
-            "(got none): leave it out of this split"
-        )
+    make: Callable[[HeldOut, int], Predict]
+    applies: Callable[[HeldOut], bool] = lambda _: True
+    draws: bool = False
 
 
-def baselines(store: Store, train: IntArray, samples: IntArray) -> dict[str, Predictor]:
-    """Return every baseline that applies to `samples`: zero, linear, interpolation.
-
-    Level interpolation is left out unless all of `samples` have their load path in
-    `train`, as only the published split does.
-    """
-    body = Body.of(store)
+def _zero(held_out: HeldOut, _: int) -> Predict:
+    body = Body.of(held_out.store)
     nothing = np.zeros_like(body.mesh.points)
-    answers = {"zero": lambda _: nothing, "linear": linear_answer(body)}
-    interpolation = LevelInterpolation(store, train)
-    if interpolation.knows(samples):
-        answers["level_interpolation"] = interpolation
-    return {name: Predictor(body, answer) for name, answer in answers.items()}
+    return Predictor(body, lambda _: nothing)
+
+
+def _linear(held_out: HeldOut, _: int) -> Predict:
+    body = Body.of(held_out.store)
+    return Predictor(body, linear_answer(body))
+
+
+def _interpolation(held_out: HeldOut, _: int) -> Predict:
+    answer = LevelInterpolation(held_out.store, held_out.train)
+    return Predictor(Body.of(held_out.store), answer)
+
+
+def _knows_paths(held_out: HeldOut) -> bool:
+    return bool(np.isin(held_out.test[:, 0], held_out.train[:, 0]).all())
+
+
+def _regressor(name: str) -> Baseline:
+    def make(held_out: HeldOut, seed: int) -> Predict:
+        store = held_out.store
+        answer = regressor_answer(name, store, held_out.train, seed)
+        return Predictor(Body.of(store), answer)
+
+    return Baseline(make, lambda held_out: len(held_out.train) > 0, draws=True)
+
+
+BASELINES: Mapping[str, Baseline] = {
+    "zero": Baseline(_zero),
+    "linear": Baseline(_linear),
+    "level_interpolation": Baseline(_interpolation, _knows_paths),
+    **{name: _regressor(name) for name in REGRESSORS},
+}
+QUICK = ("zero", "linear", "level_interpolation")  # made in seconds
+
+
+def named_baselines(text: str) -> tuple[str, ...]:
+    """Return the names that ``quick``, ``all`` or a list with commas stand for."""
+    known = {"quick": QUICK, "all": tuple(BASELINES)}
+    return known.get(text, tuple(name.strip() for name in text.split(",")))
+
+
+def baseline_rows(
+    names: Iterable[str], held_out: HeldOut, *, seeds: Sequence[int] = (0,)
+) -> list[Row]:
+    """Return a row for each baseline that applies, and each seed if it draws any.
+
+    Raises
+    ------
+    InputError
+        If there is no such baseline.
+    """
+    rows = []
+    for name in names:
+        if name not in BASELINES:
+            raise InputError(
+                f"no baseline '{name}' (there are: {', '.join(BASELINES)})"
+            )
+        if BASELINES[name].applies(held_out):
+            drawn = seeds if BASELINES[name].draws else (None,)
+            rows += [_row(name, held_out, seed) for seed in drawn]
+    return rows
+
+
+def _row(name: str, held_out: HeldOut, seed: int | None) -> Row:
+    return Row(name, lambda: BASELINES[name].make(held_out, seed or 0), seed=seed)

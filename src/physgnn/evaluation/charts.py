@@ -14,33 +14,50 @@ from physgnn.evaluation.style import DISPLACEMENT_MAP, colour, label
 
 SMALLEST_SHOWN_MM = 1e-4
 SHORT_AXIS = 50.0  # highest over lowest value
+SPARSE_LEVELS = 8  # few enough for larger dots
+LEGEND_COLUMNS = 5
 LABEL_GAP = 0.055  # least distance of labels, as a fraction of the axis
 
 
 def level_chart(report: Report) -> Figure:
-    """Mean and largest Euclidean error over the load factor, every predictor."""
-    figure = Figure(figsize=(9.6, 4.0), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    factors = np.array(report.load_factors)
-    for axes, title, attribute in (
-        (left, "Mean error of a node", "mean"),
-        (right, "Largest error of a node, mean over samples", "largest"),
+    """Mean and largest Euclidean error over the load factor, every predictor.
+
+    Of several seeds the mean, and a band from the lowest to the highest.
+    """
+    figure = Figure(figsize=(9.6, 4.0 + 0.2 * len(report.groups)), layout="constrained")
+    for i, (title, attribute) in enumerate(
+        (
+            ("Mean error of a node", "mean"),
+            ("Largest error of a node, mean over samples", "largest"),
+        )
     ):
-        lines = [(m, *_by_level(m, attribute, len(factors))) for m in report.models]
-        for model, levels, values in lines:
-            axes.plot(
-                100 * factors[levels],
-                np.maximum(values, SMALLEST_SHOWN_MM),
-                color=colour(model.name),
-                linewidth=2,
-                marker="o",
-                markersize=3 if len(levels) > 8 else 4.5,
-            )
+        axes = figure.add_subplot(1, 2, i + 1)
         axes.set(title=title, xlabel="load, % of the full force", yscale="log")
+        ends = [
+            (seeds[0].name, _draw_levels(axes, seeds, attribute, report.load_factors))
+            for seeds in report.groups
+        ]
         axes.set_xlim(0, None)
         _label_millimetres(axes.yaxis)
-        _label_line_ends(axes, [(m.name, float(v[-1])) for m, _, v in lines])
+        _label_line_ends(axes, ends)
     return figure
+
+
+def _draw_levels(
+    axes: Axes, seeds: Sequence[ModelErrors], attribute: str, factors: Sequence[float]
+) -> float:
+    """Draw one predictor's line; return where it ends."""
+    levels, _ = _by_level(seeds[0], attribute, len(factors))
+    values = np.array([_by_level(m, attribute, len(factors))[1] for m in seeds])
+    values = np.maximum(values, SMALLEST_SHOWN_MM)
+    load, paint = 100 * np.array(factors)[levels], colour(seeds[0].name)
+    mean = values.mean(axis=0)
+    size = 3 if len(levels) > SPARSE_LEVELS else 4.5
+    axes.plot(load, mean, color=paint, linewidth=2, marker="o", markersize=size)
+    if len(seeds) > 1:
+        band = values.min(axis=0), values.max(axis=0)
+        axes.fill_between(load, *band, color=paint, alpha=0.25, linewidth=0)
+    return float(mean[-1])
 
 
 def _by_level(
@@ -80,15 +97,16 @@ def histogram_chart(report: Report) -> Figure:
     edges = np.array(HISTOGRAM_EDGES_MM)
     shown = edges[:-1] >= SMALLEST_SHOWN_MM
     largest = max(model.euclidean.largest for model in report.models)
-    for model in report.models:
-        share = 100 * np.array(model.histogram[1:]) / max(sum(model.histogram), 1)
-        paint = colour(model.name)
+    for seeds in report.groups:
+        counts = np.sum([model.histogram for model in seeds], axis=0)
+        share = 100 * counts[1:] / max(counts.sum(), 1)
+        paint = colour(seeds[0].name)
         axes.stairs(
             share[shown],
             edges[np.append(shown, True)],
             color=paint,
             linewidth=1.8,
-            label=label(model.name),
+            label=label(seeds[0].name),
         )
         axes.stairs(
             share[shown],
@@ -107,7 +125,9 @@ def histogram_chart(report: Report) -> Figure:
         ylabel="nodes, %",
     )
     _label_millimetres(axes.xaxis)
-    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=len(report.models))
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1, 1), ncols=min(len(report.groups), 5)
+    )
     return figure
 
 

@@ -1,14 +1,16 @@
 """Run predictors over samples and gather their errors."""
 
-from collections.abc import Mapping
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physgnn.dataset.store import Store
-from physgnn.errors import InputError
+from physgnn.evaluation.held_out import HeldOut
+from physgnn.evaluation.kept_rows import KeptRows
 from physgnn.evaluation.metrics import (
     BoolArray,
     FloatArray,
@@ -20,62 +22,87 @@ from physgnn.evaluation.metrics import (
     summarise_samples,
 )
 from physgnn.evaluation.result import ModelErrors, Report
-from physgnn.prediction.prediction import Predict, Prediction
+from physgnn.evaluation.rows import Row
+from physgnn.prediction.prediction import Prediction
 from physgnn.progress import Progress
 
 TUMOUR = 1  # region label
 
 
 def evaluate(
-    predictors: Mapping[str, Predict],
-    store: Store,
-    samples: NDArray[np.int64],
+    rows: Sequence[Row],
+    held_out: HeldOut,
     *,
-    split: str = "",
+    kept: KeptRows | None = None,
     facts: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Return the errors of every predictor on the same samples.
+    """Return the errors of every row's predictor on the same samples.
+
+    One predictor is made, measured and dropped before the next is made.
 
     Parameters
     ----------
-    predictors : mapping of str to callables
-        Each takes a LoadCase and returns a Prediction.
-    store : Store
-        Holds the true displacements.
-    samples : (n, 2) integer array
-        Rows of (path, level), converged ones only.
-    split : str
-        Name of the split they come from, for the report.
+    rows : sequence of Row
+        In the order of presentation.
+    held_out : HeldOut
+        What to test on.
+    kept : KeptRows, optional
+        Rows measured earlier are taken from there, and new ones put there.
     facts : mapping, optional
         Provenance to carry into the report; JSON values.
     progress : callable, optional
         Called with (done, total, text) after every sample.
-
-    Raises
-    ------
-    InputError
-        If there are no samples.
     """
-    if len(samples) == 0:
-        raise InputError(
-            f"split '{split}' has no samples to evaluate: simulate more load paths"
-        )
-    gatherers = {name: _Gatherer(name, store) for name in predictors}
-    order = np.lexsort((samples[:, 1], samples[:, 0]))  # one read a path
-    for done, (path, level) in enumerate(samples[order].tolist()):
-        case = store.load_case(path, level)
-        truth = store.displacement(path)[level].astype(np.float64)
-        for name, predict in predictors.items():
-            gatherers[name].add(path, level, truth, predict(case))
-        if progress is not None:
-            progress(done + 1, len(samples), "evaluating")
+    measured = []
+    for i, row in enumerate(rows):
+        errors = kept.get(row) if kept else None
+        if errors is None:
+            move = progress and _part(progress, i, len(rows), row.name)
+            errors = measure(row, held_out, progress=move)
+            if kept:
+                kept.put(row, errors)
+        measured.append(errors)
     return Report(
-        split=split,
-        load_factors=tuple(float(factor) for factor in store.load_factors),
-        models=tuple(gatherer.result() for gatherer in gatherers.values()),
+        split=held_out.split,
+        load_factors=tuple(float(factor) for factor in held_out.store.load_factors),
+        models=tuple(measured),
         facts=dict(facts or {}),
     )
+
+
+def measure(
+    row: Row, held_out: HeldOut, *, progress: Progress | None = None
+) -> ModelErrors:
+    """Make one row's predictor and return its errors.
+
+    Training that happens here is timed in processor minutes, of all threads.
+    """
+    start = time.process_time()
+    predict = row.make()
+    minutes = (time.process_time() - start) / 60 if row.minutes is None else row.minutes
+    store, samples = held_out.store, held_out.test
+    gatherer = _Gatherer(row.name, store)
+    order = np.lexsort((samples[:, 1], samples[:, 0]))  # one read a path
+    for done, (path, level) in enumerate(samples[order].tolist()):
+        prediction = predict(
+            store.load_case(path, level), tolerance_mm=row.tolerance_mm
+        )
+        truth = store.displacement(path)[level].astype(np.float64)
+        gatherer.add(path, level, truth, prediction)
+        if progress is not None:
+            progress(done + 1, len(samples), "evaluating")
+    return replace(
+        gatherer.result(),
+        seed=row.seed,
+        minutes=minutes,
+        tolerance_mm=row.tolerance_mm,
+    )
+
+
+def _part(progress: Progress, index: int, n_parts: int, name: str) -> Progress:
+    """Return the progress of one of several rows as a part of the whole."""
+    return lambda done, total, _: progress(index * total + done, n_parts * total, name)
 
 
 class _Gatherer:

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 
 from physgnn.dataset.store import Store
-from physgnn.evaluation.tables import duration
+from physgnn.evaluation.formats import duration
 from physgnn.geometry.quality import quality
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.mechanics.materials.table import material_to_config

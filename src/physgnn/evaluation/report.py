@@ -7,17 +7,19 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from physgnn.evaluation import tables
+from physgnn.evaluation import published_tables, tables
 from physgnn.evaluation.figures import Picture
+from physgnn.evaluation.formats import duration, mm, percent
 from physgnn.evaluation.result import ModelErrors, Report
 from physgnn.evaluation.style import colour, label
-from physgnn.evaluation.tables import Table, duration, mm, percent
+from physgnn.evaluation.tables import Table, group_label
 from physgnn.prediction.prediction import PredictionStatus
 
 SPLIT_TITLE = {
     "published": "on the published split",
     "path": "on load paths it has never seen",
     "node": "on loaded nodes it has never seen",
+    "mesh": "on a mesh it has never seen",
 }
 SPLIT_MEANING = {
     "published": "The published split: all samples shuffled, whatever their load path. "
@@ -29,6 +31,8 @@ SPLIT_MEANING = {
     "training or used to stop it. The same nodes are loaded, in other directions.",
     "node": "Loaded nodes are held out: no tested load path acts on a node that "
     "carried a force in training.",
+    "mesh": "A whole mesh is held out: nothing that was simulated on it was seen in "
+    "training.",
 }
 
 
@@ -60,11 +64,13 @@ def report_html(report: Report, pictures: Iterable[Picture]) -> str:
         if isinstance(values, Mapping)
     }
     tested = label(model.name)
+    kept = tables.tolerance_table(report)
 
     def table(made: Table) -> str:
-        return _table(made, {label(m.name): m.name for m in report.models}, tested)
+        names = {group_label(seeds): seeds[0].name for seeds in report.groups}
+        return _table(made, names, tested)
 
-    sections = (
+    sections: tuple[tuple[str, tuple[str | None, ...]], ...] = (
         ("The case", (facts.get("case", ""), shown.get("case"), shown.get("deformed"))),
         (
             "Accuracy",
@@ -78,14 +84,19 @@ def report_html(report: Report, pictures: Iterable[Picture]) -> str:
         ),
         (
             "Error bounds",
-            (_bounds(model), facts.get("bounds", ""), shown.get("error_bound")),
+            (
+                _bounds(model),
+                facts.get("bounds", ""),
+                shown.get("error_bound"),
+                table(kept) if kept else None,
+            ),
         ),
         ("The worst case", (shown.get("worst_case"),)),
         (
             "Beside the publication",
             (
-                table(tables.protocol_table(report, preset)),
-                table(tables.extremes_table(report, preset)),
+                table(published_tables.protocol_table(report, preset)),
+                table(published_tables.extremes_table(report, preset)),
             ),
         ),
         ("Time", (facts.get("time", ""),)),

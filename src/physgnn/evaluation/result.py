@@ -11,7 +11,7 @@ from physgnn.evaluation.distribution import Distribution
 from physgnn.evaluation.metrics import SampleError, SampleSummary
 
 FORMAT = "physgnn-evaluation"
-VERSION = 1
+VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,12 @@ class ModelErrors:
     summary : SampleSummary
     samples : tuple of SampleError
         In the order they were evaluated.
+    seed : int or None
+        Of its training; None where nothing is drawn.
+    minutes : float or None
+        What training it took.
+    tolerance_mm : float or None
+        What was asked of every prediction.
     """
 
     name: str
@@ -42,6 +48,9 @@ class ModelErrors:
     histogram: tuple[int, ...]
     summary: SampleSummary
     samples: tuple[SampleError, ...]
+    seed: int | None = None
+    minutes: float | None = None
+    tolerance_mm: float | None = None
 
     @property
     def euclidean(self) -> Distribution:
@@ -65,7 +74,8 @@ class Report:
     load_factors : tuple of float
         Load factor of every level.
     models : tuple of ModelErrors
-        In the order of presentation, the model under test last.
+        In the order of presentation, the model under test last. Those of one name
+        differ in their seed.
     facts : mapping of str to JSON
         Where the numbers come from: versions, seeds, hashes, times of the solver.
     """
@@ -75,8 +85,23 @@ class Report:
     models: tuple[ModelErrors, ...]
     facts: Mapping[str, Any]
 
+    @property
+    def groups(self) -> tuple[tuple[ModelErrors, ...], ...]:
+        """The models, those of one name together."""
+        names = dict.fromkeys(model.name for model in self.models)
+        return tuple(
+            tuple(model for model in self.models if model.name == name)
+            for name in names
+        )
+
     def model(self, name: str) -> ModelErrors:
-        """Return the errors of one predictor; InputError names those there are."""
+        """Return a predictor's errors, the first of its seeds.
+
+        Raises
+        ------
+        InputError
+            If there is none of this name; it tells those there are.
+        """
         for errors in self.models:
             if errors.name == name:
                 return errors
@@ -113,17 +138,19 @@ class Report:
                 f"{path} must be {FORMAT} version {VERSION} (got {found[0]} version "
                 f"{found[1]}); evaluate again"
             )
-        models = tuple(_model_from_json(model) for model in record.pop("models"))
+        models = tuple(errors_from_json(model) for model in record.pop("models"))
         factors = tuple(record.pop("load_factors"))
         return cls(load_factors=factors, models=models, **record)
 
 
-def _model_from_json(record: dict[str, Any]) -> ModelErrors:
+def errors_from_json(record: dict[str, Any]) -> ModelErrors:
+    """Return what `dataclasses.asdict` and JSON made of a model's errors."""
+
     def distributions(values: dict[str, Any]) -> dict[str, Distribution]:
         return {name: Distribution(**value) for name, value in values.items()}
 
     return ModelErrors(
-        name=record["name"],
+        **{key: record[key] for key in ("name", "seed", "minutes", "tolerance_mm")},
         by_component=distributions(record["by_component"]),
         by_region=distributions(record["by_region"]),
         by_level=tuple(v and Distribution(**v) for v in record["by_level"]),

@@ -1,14 +1,16 @@
-"""Evaluate a trained run: tables, figures and the report, in its folder."""
+"""Evaluate trained runs: tables, figures and the report, in a folder."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.dataset.split import SPLITS, Split
+from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
-from physgnn.errors import InputError
-from physgnn.evaluation.baselines import baselines
+from physgnn.evaluation.baselines import QUICK, baseline_rows
 from physgnn.evaluation.evaluate import evaluate
 from physgnn.evaluation.facts import (
     bound_facts,
@@ -18,10 +20,13 @@ from physgnn.evaluation.facts import (
     time_facts,
 )
 from physgnn.evaluation.figures import draw_figures
+from physgnn.evaluation.held_out import HeldOut, check_unseen
+from physgnn.evaluation.kept_rows import KeptRows
 from physgnn.evaluation.report import write_report
 from physgnn.evaluation.result import Report
+from physgnn.evaluation.rows import Row, certified, load_predictor, run_rows
 from physgnn.evaluation.tables import accuracy_table
-from physgnn.learning.checkpoint import Checkpoint, check_mesh
+from physgnn.learning.checkpoint import Checkpoint, read_record
 from physgnn.learning.model_card import write_model_card
 from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.predictor import Predictor
@@ -30,26 +35,50 @@ from physgnn.progress import Progress
 SOLVED_CASES = 3  # cold finite-element solves timed beside the model
 
 
-def evaluate_run(
-    run: str | Path,
-    store_path: str | Path,
-    split: str | Split = "path",
-    *,
-    command: str = "",
-    progress: Progress | None = None,
-) -> Report:
-    """Evaluate a run on a split's test samples and write ``run/evaluation-<split>/``.
-
-    The folder gets metrics.json, report.html and figures/.
+@dataclass(frozen=True)
+class Comparison:
+    """What stands beside the runs.
 
     Parameters
     ----------
-    run : path
-        Folder of a trained model.
+    baselines : tuple of str
+        Rows of `BASELINES`; those that do not apply to the split are left out.
+    tolerance_mm : float or None
+        Adds the last run's first seed with every prediction made to keep this.
+    """
+
+    baselines: tuple[str, ...] = QUICK
+    tolerance_mm: float | None = None
+
+
+def evaluate_runs(
+    runs: Sequence[str | Path],
+    store_path: str | Path,
+    split: str | Split = "path",
+    *,
+    comparison: Comparison = Comparison(),
+    out: Path | None = None,
+    command: str = "",
+    progress: Progress | None = None,
+) -> Report:
+    """Evaluate runs on a split's test samples, beside baselines, in one table.
+
+    The folder gets metrics.json, report.html, figures/ and rows/: what was measured
+    there before is not measured again.
+
+    Parameters
+    ----------
+    runs : sequence of paths
+        Folders of trained models, the one that the report is about last. Those that
+        differ in their seed alone make one row.
     store_path : path
-        The dataset, on the same mesh.
+        The dataset, on the mesh of the runs or, for split ``mesh``, on another.
     split : str or Split
-        A row of `SPLITS`, with its default seed, or the samples themselves.
+        A row of `SPLITS`, with its default seed, or ``mesh``, or the samples.
+    comparison : Comparison
+        What stands beside them.
+    out : path, optional
+        By default ``evaluation-<split>`` in the last run's folder.
     command : str
         What was called, for the report.
     progress : callable, optional
@@ -58,33 +87,57 @@ def evaluate_run(
     Raises
     ------
     InputError
-        If the mesh is another, the split is unknown, or the run was trained on some
-        of the test samples.
+        If the mesh is another, the split is unknown, or a run was trained on some of
+        the test samples.
     """
-    run = Path(run)
-    checkpoint, predictor = Checkpoint.load(run), Predictor.load(run)
-    store = Store.open(store_path)
-    check_mesh(checkpoint.record, store.mesh, run)
-    split = split if isinstance(split, Split) else named_split(split, store)
-    check_unseen(checkpoint, store, split)
-    name = checkpoint.record["config"]["model"]
-    predictors = baselines(store, split.train, split.test) | {name: predictor}
-    solver_seconds = solve_seconds(predictor, store, split.test)
-    report = evaluate(
-        predictors, store, split.test, split=split.name, progress=progress
-    )
-    model_seconds = report.model(name).summary.median_seconds
-    report = report.with_facts(
-        case=case_facts(store),
-        model=model_facts(checkpoint),
-        bounds=bound_facts(predictor.calibration),
-        time=time_facts(store, solver_seconds, model_seconds),
-        provenance=provenance_facts(store, checkpoint, command),
-        solver_seconds=solver_seconds,
-    )
-    write_evaluation(report, store, predictor, run / f"evaluation-{split.name}")
+    folders = [Path(run) for run in runs]
+    held_out = HeldOut.of(Store.open(store_path), split)
+    for run in folders:
+        check_unseen(read_record(run), held_out, run)
+    rows = _rows(folders, held_out, comparison)
+    run = folders[-1]
+    out = out or run / f"evaluation-{held_out.split}"
+    kept = KeptRows(out / "rows", held_out)
+    report = evaluate(rows, held_out, kept=kept, progress=progress)
+    predictor = load_predictor(run, held_out.store)
+    report = report.with_facts(**_facts(report, held_out, predictor, run, command))
+    write_evaluation(report, held_out.store, predictor, out)
     write_model_card(run, errors=accuracy_table(report).text())
     return report
+
+
+def evaluate_run(
+    run: str | Path, store_path: str | Path, split: str | Split = "path", **options: Any
+) -> Report:
+    """Evaluate one run; as `evaluate_runs` of it alone."""
+    return evaluate_runs([run], store_path, split, **options)
+
+
+def _rows(runs: Sequence[Path], held_out: HeldOut, comparison: Comparison) -> list[Row]:
+    """Return baselines, runs and the certified row, in the order of presentation."""
+    tested = run_rows(runs, held_out.store)
+    seeds = sorted({row.seed for row in tested if row.seed is not None}) or [0]
+    rows = baseline_rows(comparison.baselines, held_out, seeds=seeds)
+    if comparison.tolerance_mm is not None:
+        first = next(row for row in tested if row.name == tested[-1].name)
+        rows.append(certified(first, comparison.tolerance_mm))
+    return rows + tested
+
+
+def _facts(
+    report: Report, held_out: HeldOut, predictor: Predictor, run: Path, command: str
+) -> dict[str, Any]:
+    store, checkpoint = held_out.store, Checkpoint.load(run)
+    solver_seconds = solve_seconds(predictor, store, held_out.test)
+    model_seconds = report.models[-1].summary.median_seconds
+    return {
+        "case": case_facts(store),
+        "model": model_facts(checkpoint),
+        "bounds": bound_facts(predictor.calibration),
+        "time": time_facts(store, solver_seconds, model_seconds),
+        "provenance": provenance_facts(store, checkpoint, command),
+        "solver_seconds": solver_seconds,
+    }
 
 
 def write_evaluation(
@@ -95,29 +148,6 @@ def write_evaluation(
     report.write(folder / "metrics.json")
     pictures = draw_figures(report, store, predictor, folder / "figures")
     write_report(report, pictures, folder / "report.html")
-
-
-def named_split(name: str, store: Store) -> Split:
-    """Return a split by its name; InputError names those there are."""
-    if name not in SPLITS:
-        raise InputError(f"no split '{name}' (there are: {', '.join(sorted(SPLITS))})")
-    return SPLITS[name](store)
-
-
-def check_unseen(checkpoint: Checkpoint, store: Store, split: Split) -> None:
-    """Raise InputError if the run was trained on some of the test samples."""
-    record = checkpoint.record
-    if record["data"]["hash"] != store.content_hash():
-        return  # other data, made for this evaluation
-    trained = named_split(record["split"]["name"], store)
-    seen = {tuple(row) for row in np.concatenate([trained.train, trained.validation])}
-    overlap = sum(tuple(row) in seen for row in split.test)
-    if overlap:
-        raise InputError(
-            f"the run was trained with split '{trained.name}', on {overlap} of the "
-            f"{len(split.test)} test samples of split '{split.name}': evaluate it "
-            f"with --split {trained.name}, or train with --split {split.name}"
-        )
 
 
 def solve_seconds(

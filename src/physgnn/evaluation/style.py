@@ -13,13 +13,16 @@ MODELS = {
     "zero": ("Zero displacement", "#8b929c"),
     "linear": ("Linear solution", "#d9861a"),
     "level_interpolation": ("Level interpolation", "#a760bd"),
+    "pod_network": ("POD + small network", "#b5651d"),
+    "extra_trees": ("Extremely random trees", "#6f9a37"),
+    "nodal_network": ("Network per node", "#3fa7c9"),
     "physgnn": ("PhysGNN", "#2f7fd6"),
     "lifted": ("Lifted network", "#0f9d7e"),
     "reduced": ("Reduced model", "#c2a500"),
     "certified": ("Certified", "#d4477e"),
     "finite_element": ("Finite elements", "#6b5b4b"),
 }
-SPARE_COLOURS = ("#d4477e", "#c2a500", "#5b6ee1", "#3fa7c9")
+SPARE_COLOURS = ("#d4477e", "#c2a500", "#5b6ee1", "#3fa7c9", "#7a5195")
 
 BRAIN, TUMOUR, FIXED, LOADED = "#cfc7bf", "#8e44ad", "#2f7fd6", "#e4572e"
 # Viridis without its darkest part, which would sink into a dark page.

@@ -1,18 +1,15 @@
 """Tables of an evaluation: one row a predictor, as text and for the report."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from physgnn.evaluation.distribution import Distribution
-from physgnn.evaluation.metrics import COMPONENTS, LOADED_REGION_MM
-from physgnn.evaluation.published import PUBLISHED
+from physgnn.evaluation.formats import NONE, duration, minutes, mm, percent
+from physgnn.evaluation.metrics import LOADED_REGION_MM
 from physgnn.evaluation.result import ModelErrors, Report
 from physgnn.evaluation.style import label
 
-NONE = "—"
-PUBLISHED_ROW = "Published test set"
 LEVELS_SHOWN = 6
 
 
@@ -50,115 +47,72 @@ class Table:
         return "\n".join((f"**{self.title}**", "", *lines))
 
 
+@dataclass(frozen=True)
+class Column:
+    """One number of a predictor, and how to write it."""
+
+    value: Callable[[ModelErrors], float | None]
+    text: Callable[[float], str] = mm
+
+    def cell(self, seeds: Sequence[ModelErrors]) -> str:
+        """Return the mean over seeds, with their standard deviation if several."""
+        values = [v for v in map(self.value, seeds) if v is not None]
+        if not values:
+            return NONE
+        mean = self.text(float(np.mean(values)))
+        if len(values) == 1 or mean == NONE:
+            return mean
+        return f"{mean} ± {self.text(float(np.std(values, ddof=1)))}"
+
+
+def group_label(seeds: Sequence[ModelErrors]) -> str:
+    """Return what a row is called: the predictor's name."""
+    first = seeds[0]
+    if first.tolerance_mm is None:
+        return label(first.name)
+    return f"{label(first.name)} to {first.tolerance_mm:g} mm"
+
+
+def _region(name: str) -> Callable[[ModelErrors], float | None]:
+    return lambda m: m.by_region[name].mean if name in m.by_region else None
+
+
+ACCURACY: Mapping[str, Column] = {
+    "mean": Column(lambda m: m.euclidean.mean),
+    "median": Column(lambda m: m.euclidean.median),
+    "95 %": Column(lambda m: m.euclidean.percentile_95),
+    "99 %": Column(lambda m: m.euclidean.percentile_99),
+    "largest": Column(lambda m: m.euclidean.largest),
+    "largest, per sample": Column(lambda m: m.summary.largest_error_mean),
+    "≤ 1 mm": Column(lambda m: m.euclidean.within_1mm, percent),
+    "relative": Column(lambda m: m.summary.relative_mean, percent),
+    "loaded region": Column(_region("loaded_region")),
+    "tumour": Column(_region("tumour")),
+    "time": Column(lambda m: m.summary.median_seconds, duration),
+    "training": Column(lambda m: m.minutes, minutes),
+}
+
+
 def accuracy_table(report: Report) -> Table:
     """Return the table that compares predictors at a glance."""
-    columns: Mapping[str, Callable[[ModelErrors], str]] = {
-        "mean": lambda m: mm(m.euclidean.mean),
-        "median": lambda m: mm(m.euclidean.median),
-        "95 %": lambda m: mm(m.euclidean.percentile_95),
-        "99 %": lambda m: mm(m.euclidean.percentile_99),
-        "largest": lambda m: mm(m.euclidean.largest),
-        "largest, per sample": lambda m: mm(m.summary.largest_error_mean),
-        "≤ 1 mm": lambda m: percent(m.euclidean.within_1mm),
-        "relative": lambda m: percent(m.summary.relative_mean),
-        "relative, pooled": lambda m: percent(m.summary.relative_pooled),
-        "loaded region": lambda m: _region(m, "loaded_region"),
-        "tumour": lambda m: _region(m, "tumour"),
-        "time": lambda m: duration(m.summary.median_seconds),
-    }
+    n_seeds = max(len(seeds) for seeds in report.groups)
+    of_seeds = (
+        f" ±: standard deviation over training seeds (up to {n_seeds})."
+        if n_seeds > 1
+        else ""
+    )
     return Table(
         "Error of every predictor, mm",
-        ("", *columns),
+        ("", *ACCURACY),
         tuple(
-            (label(m.name), *(cell(m) for cell in columns.values()))
-            for m in report.models
+            (group_label(seeds), *(column.cell(seeds) for column in ACCURACY.values()))
+            for seeds in report.groups
         ),
         "Euclidean distance between predicted and true displacement over all nodes "
         "and samples. Largest per sample: mean over samples. Relative: mean over "
-        "samples of ‖u - û‖ / ‖u‖; pooled: mean error over mean "
-        f"displacement. Loaded region: points within {LOADED_REGION_MM:g} mm of a "
-        "loaded point. Time: median of a prediction.",
-    )
-
-
-def protocol_table(report: Report, preset: str = "") -> Table:
-    """Return the means and shares of the publication, its own in the last row."""
-    rows = [
-        _protocol_row(model.by_component, label(model.name)) for model in report.models
-    ]
-    if preset in PUBLISHED:
-        published = PUBLISHED[preset]
-        errors = [spread(*getattr(published, name)) for name in COMPONENTS]
-        errors.insert(4, percent(published.within_1mm))
-        rows.append((PUBLISHED_ROW, *errors, percent(published.position_within_1mm)))
-    return Table(
-        "Errors as published, mm",
-        (
-            "",
-            "MAE x",
-            "MAE y",
-            "MAE z",
-            "mean Euclidean",
-            "≤ 1 mm",
-            "mean abs. position",
-            "≤ 1 mm",
-        ),
-        tuple(rows),
-        "± is the standard deviation over nodes and samples. Absolute position error: "
-        "difference of the displacements' magnitudes. The published figures were "
-        "measured on another mesh of the same brain and on the split that shares load "
-        "paths between training and test set.",
-    )
-
-
-def _protocol_row(errors: Mapping[str, Distribution], name: str) -> tuple[str, ...]:
-    cells = [spread(errors[c].mean, errors[c].std) for c in COMPONENTS]
-    cells.insert(4, percent(errors["euclidean"].within_1mm))
-    return (name, *cells, percent(errors["position"].within_1mm))
-
-
-def extremes_table(report: Report, preset: str = "") -> Table:
-    """Return the medians and the largest errors of the publication."""
-    rows = [
-        (
-            label(model.name),
-            *(mm(model.by_component[name].median) for name in COMPONENTS),
-            mm(model.summary.largest_displacement),
-            spread(
-                model.summary.largest_displacement_mean,
-                model.summary.largest_displacement_std,
-            ),
-            spread(model.summary.largest_error_mean, model.summary.largest_error_std),
-        )
-        for model in report.models
-    ]
-    if preset in PUBLISHED:
-        published = PUBLISHED[preset]
-        rows.append(
-            (
-                PUBLISHED_ROW,
-                *(mm(median) for median in published.medians),
-                mm(published.largest_displacement),
-                spread(*published.largest_displacement_per_sample),
-                spread(*published.largest_error_per_sample),
-            )
-        )
-    return Table(
-        "Medians and extremes as published, mm",
-        (
-            "",
-            "median x",
-            "median y",
-            "median z",
-            "median Euclidean",
-            "median position",
-            "largest displacement",
-            "largest displacement, per sample",
-            "largest error, per sample",
-        ),
-        tuple(rows),
-        "Largest displacement is that of the true solution. Per sample: mean ± "
-        "standard deviation over samples of the largest of a sample's nodes.",
+        "samples of ‖u - û‖ / ‖u‖. Loaded region: points within "
+        f"{LOADED_REGION_MM:g} mm of a loaded point. Time: median of a prediction. "
+        f"Training: what a run's record says; of others, processor time.{of_seeds}",
     )
 
 
@@ -167,44 +121,54 @@ def level_table(report: Report) -> Table:
     present = [i for i, d in enumerate(report.models[0].by_level) if d is not None]
     picks = np.linspace(0, len(present) - 1, min(LEVELS_SHOWN, len(present)))
     levels = [present[round(pick)] for pick in picks]
-    rows = []
-    for model in report.models:
-        means = [model.by_level[level] for level in levels]
-        rows.append((label(model.name), *(mm(d.mean) if d else NONE for d in means)))
+    columns = [Column(_level(level)) for level in levels]
     return Table(
         "Mean Euclidean error over the load, mm",
         ("", *(f"{100 * report.load_factors[level]:.0f} % load" for level in levels)),
-        tuple(rows),
+        tuple(
+            (group_label(seeds), *(column.cell(seeds) for column in columns))
+            for seeds in report.groups
+        ),
     )
 
 
-def mm(value: float) -> str:
-    """Return millimetres to three significant digits, at most four decimals."""
-    if value == 0 or value >= 100:
-        return f"{value:.0f}"
-    if value < 5e-5:
-        return "< 0.0001"
-    decimals = int(np.clip(2 - np.floor(np.log10(abs(value))), 0, 4))
-    return f"{value:.{decimals}f}"
+def _level(level: int) -> Callable[[ModelErrors], float | None]:
+    def mean(model: ModelErrors) -> float | None:
+        distribution = model.by_level[level]
+        return distribution.mean if distribution else None
+
+    return mean
 
 
-def spread(mean: float, std: float) -> str:
-    """Return mean ± standard deviation."""
-    return f"{mm(mean)} ± {mm(std)}"
+def tolerance_table(report: Report) -> Table | None:
+    """Return how predictions with a tolerance fared, or None if there are none."""
+    rows = [_tolerance_row(m) for m in report.models if m.tolerance_mm is not None]
+    if not rows:
+        return None
+    return Table(
+        "Predictions made to keep a tolerance",
+        (
+            "",
+            "largest error",
+            "within",
+            "median time",
+            "95 % of times",
+            "longest",
+            "ended",
+        ),
+        tuple(rows),
+        "Within: share of samples whose largest nodal error is at most the tolerance.",
+    )
 
 
-def percent(share: float) -> str:
-    """Return a share as per cent, its distance from 100 % kept in sight."""
-    decimals = 2 if 0.99 < share < 1 else 1
-    return f"{100 * share:.{decimals}f} %"
-
-
-def duration(seconds: float) -> str:
-    """Return a time in the unit that suits it."""
-    if seconds < 1:
-        return f"{1e3 * seconds:.3g} ms"
-    return f"{seconds:.3g} s"
-
-
-def _region(model: ModelErrors, name: str) -> str:
-    return mm(model.by_region[name].mean) if name in model.by_region else NONE
+def _tolerance_row(model: ModelErrors) -> tuple[str, ...]:
+    seconds = [sample.seconds for sample in model.samples]
+    endings = [s.status.lower().replace("_", " ") for s in model.samples]
+    within = [s.largest <= (model.tolerance_mm or 0.0) for s in model.samples]
+    return (
+        group_label([model]),
+        mm(model.euclidean.largest),
+        percent(float(np.mean(within))),
+        *(duration(float(np.quantile(seconds, q))) for q in (0.5, 0.95, 1.0)),
+        ", ".join(f"{endings.count(end)} {end}" for end in dict.fromkeys(endings)),
+    )

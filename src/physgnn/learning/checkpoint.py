@@ -81,7 +81,7 @@ class Checkpoint:
             the one the weights were trained on.
         """
         run = Path(run)
-        record = _read_record(run)
+        record = read_record(run)
         mesh = read_mesh(run / CASE)
         check_mesh(record, mesh, run)
         materials = {
@@ -110,7 +110,8 @@ def check_mesh(record: Mapping[str, Any], mesh: TetMesh, run: Path) -> None:
         )
 
 
-def _read_record(run: Path) -> dict[str, Any]:
+def read_record(run: Path) -> dict[str, Any]:
+    """Return a run's record; InputError if the folder is no finished run."""
     missing = [name for name in (RECORD, WEIGHTS, CASE) if not (run / name).is_file()]
     if missing:
         raise InputError(f"{run} is no finished run: it has no {', '.join(missing)}")

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from physgnn.dataset import Split, Store
+from physgnn.dataset import Split, Store, named_split
 from physgnn.errors import InputError
 from physgnn.evaluation.ablation_chart import Point, draw_ablation
-from physgnn.evaluation.run import named_split
 from physgnn.io.atomic import whole_file
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from physgnn.dataset import Store
+from physgnn.dataset import Store, named_split
 from physgnn.errors import InputError
 from physgnn.progress import Progress
 
@@ -35,7 +35,6 @@ def train(
     progress, **options
         See `physgnn.learning.train`.
     """
-    from physgnn.evaluation.run import named_split
     from physgnn.learning.training import is_first_process
     from physgnn.learning.training import train as train_network
     from physgnn.prediction.predictor import calibrate_run

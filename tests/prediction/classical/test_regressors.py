@@ -1,0 +1,84 @@
+"""What the classical learners are wrapped in is exact where a learner is."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from physgnn.dataset.store import Store
+from physgnn.prediction.classical import REGRESSORS, nodal, regressor_answer
+from physgnn.prediction.classical.nodal import nodal_answer
+from physgnn.prediction.classical.pod import pod_answer
+from physgnn.prediction.prediction import Answer
+
+
+class LeastSquares:
+    """The best linear map, which the made-up body follows."""
+
+    def fit(self, inputs: np.ndarray, targets: np.ndarray) -> None:
+        self.inputs, self.targets = inputs, targets
+        self.map = np.linalg.lstsq(inputs, targets, rcond=1e-5)[0]
+
+    def predict(self, inputs: np.ndarray) -> np.ndarray:
+        return inputs @ self.map
+
+
+def split(store: Store) -> tuple[np.ndarray, np.ndarray]:
+    samples = store.samples()
+    return samples[samples[:, 0] < 7], samples[samples[:, 0] == 7]
+
+
+def test_pod_of_an_exact_learner_is_exact_on_paths_never_seen(store: Store) -> None:
+    """Seven load paths span the six-dimensional space of loads and answers."""
+    train, test = split(store)
+    answer = pod_answer(LeastSquares(), store, train, seed=0)
+    for path, level in test.tolist():
+        found = answer(store.load_case(path, level))
+        np.testing.assert_allclose(found, store.displacement(path)[level], atol=1e-3)
+
+
+def test_nodal_learner_is_told_what_belongs_together(store: Store) -> None:
+    """Every row pairs a node's place with the displacement of that very node."""
+    train, _ = split(store)
+    learner = LeastSquares()
+    nodal_answer(learner, store, train, seed=0)
+    places = store.mesh.points.astype(np.float32)
+    found = np.array(
+        [(places == row[:3]).all(axis=1).argmax() for row in learner.inputs]
+    )
+    per_sample = len(found) // len(train)
+    for i, (path, level) in enumerate(train.tolist()):
+        part = slice(i * per_sample, (i + 1) * per_sample)
+        np.testing.assert_array_equal(
+            learner.targets[part], store.displacement(path)[level][found[part]]
+        )
+        assert len(set(found[part].tolist())) == per_sample
+    assert not np.isin(found, store.fixed).any()
+
+
+def test_rows_are_bounded(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nodal, "N_ROWS", 100)
+    train, _ = split(store)
+    learner = LeastSquares()
+    nodal_answer(learner, store, train, seed=0)
+    assert len(train) <= len(learner.inputs) <= 100
+
+
+@pytest.mark.parametrize("make", [pod_answer, nodal_answer])
+def test_fixed_points_stay(store: Store, make: Callable[..., Answer]) -> None:
+    train, _ = split(store)
+    found = make(LeastSquares(), store, train, seed=0)(store.load_case(7, 3))
+    np.testing.assert_allclose(found[store.fixed], 0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", REGRESSORS)
+def test_every_row_repeats_with_its_seed(store: Store, name: str) -> None:
+    train, test = split(store)
+    case = store.load_case(*test[-1])
+    first, again, other = (
+        regressor_answer(name, store, train, seed)(case) for seed in (1, 1, 2)
+    )
+    assert first.shape == store.mesh.points.shape
+    assert np.isfinite(first).all()
+    np.testing.assert_array_equal(first, again)
+    assert (first != other).any()
