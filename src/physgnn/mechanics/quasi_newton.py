@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 MAX_PAIRS = 12
 MAX_HALVINGS = 12
 # What a step with the factor of the very state leaves of the error. Seen were 0.04 of
-# steps of 0.05 mm and less than 0.01 of those below 0.02 mm; tolerances are far smaller.
+# steps of 0.05 mm, less than 0.01 of those below 0.02 mm; tolerances are far smaller.
 NEWTON_CONTRACTION = 0.1
 
 
