@@ -42,7 +42,7 @@ def connect(workers: int, scheduler: str | None) -> Iterator[Any]:
             threads_per_worker=1,
             processes=True,
             dashboard_address="127.0.0.1:0",  # any port: two runs must not collide
-            silence_logs=logging.ERROR,  # a slow goodbye is no news
+            silence_logs=logging.CRITICAL,  # a lost path is solved again: no news
         ) as cluster,
         Client(cluster) as client,
     ):
