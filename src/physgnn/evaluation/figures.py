@@ -27,6 +27,8 @@ from physgnn.evaluation.style import (
     TUMOUR,
     label,
 )
+from physgnn.imaging import slices_of_shift
+from physgnn.imaging.template import bundled_t1
 from physgnn.prediction.prediction import Predict
 
 DPI = 160
@@ -74,6 +76,7 @@ def draw_figures(
     made = [
         _draw_case(store, model, folder),
         _draw_deformed(store, model, folder),
+        _draw_slices(store, model, predict, folder),
         _save(
             "error_over_level",
             "Euclidean error over the load: the mean over nodes and samples on the "
@@ -153,6 +156,23 @@ def _draw_deformed(store: Store, model: ModelErrors, folder: Path) -> Picture:
         f"{100 * sample.load_factor:.0f} % load, true to scale; it moves up to "
         f"{sample.largest_displacement:.1f} mm.",
         figure,
+        folder,
+    )
+
+
+def _draw_slices(
+    store: Store, model: ModelErrors, predict: Predict, folder: Path
+) -> Picture:
+    sample = max(model.samples, key=lambda s: s.largest_displacement)
+    predicted = predict(store.load_case(sample.path, sample.level)).displacement
+    image = bundled_t1(store.mesh)
+    shown = "The tissues" if image is None else "The T1-weighted image"
+    return _save(
+        "slices",
+        f"{shown} before and after, as predicted for load path {sample.path} at "
+        f"{100 * sample.load_factor:.0f} % load, and squares of each in turn: where "
+        "nothing moves, lines run on from square to square.",
+        lambda: slices_of_shift(store.mesh, predicted, image),
         folder,
     )
 

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from nibabel.orientations import apply_orientation, io_orientation
 from numpy.typing import ArrayLike, NDArray
 
-from physgnn.geometry.image import FloatArray, Image
+from physgnn.geometry.image import FloatArray, Image, LabelVolume
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging.field import grid_around, inverse_field
 from physgnn.imaging.labels import deformed_labels
@@ -40,9 +40,7 @@ def before_after(before: Image, after: Image, centre_mm: ArrayLike) -> Figure:
     sizes = np.linalg.norm(affine[:3, :3], axis=0)
     index = np.linalg.solve(affine, np.append(np.asarray(centre_mm), 1.0))[:3]
     middle = np.clip(index.round().astype(int), 0, np.array(first.shape) - 1)
-    low, high = (
-        np.percentile(first[first > 0], (1, 99.5)) if (first > 0).any() else (0, 1)
-    )
+    low, high = _window(before)
     figure = Figure(figsize=(3 * PANEL_INCHES, 3 * PANEL_INCHES), layout="constrained")
     for row, (plane, (normal, right, up)) in zip(
         figure.subplots(3, 3), PLANES.items(), strict=True
@@ -98,6 +96,15 @@ def middle_of_shift(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
     most = int(np.linalg.norm(displacement, axis=1).argmax())
     middle: FloatArray = (mesh.points[most] + mesh.points.mean(axis=0)) / 2
     return middle
+
+
+def _window(image: Image) -> tuple[float, float]:
+    """Return the values that are black and white."""
+    data = np.asarray(image.data, dtype=np.float64)
+    if isinstance(image, LabelVolume) or not (data > 0).any():
+        return 0.0, float(max(data.max(), 1.0))
+    low, high = np.percentile(data[data > 0], (1, 99.5))
+    return float(low), float(high)
 
 
 def _upright(image: Image) -> tuple[FloatArray, FloatArray]:
