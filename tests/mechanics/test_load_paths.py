@@ -14,6 +14,7 @@ from physgnn.mechanics.load_paths import (
     cone_paths,
     inward_normals,
     single_node_paths,
+    traction_paths,
     uniform_directions,
     within_cone,
 )
@@ -123,3 +124,19 @@ def test_cone_paths(block: TetMesh) -> None:
     ):
         with pytest.raises(InputError, match=message):
             cone_paths(block, top, **{**options, **wrong})
+
+
+def test_traction_paths_push_inward_with_the_traction_asked_for(
+    block: TetMesh,
+) -> None:
+    top = block.point_set("loaded")
+    paths = traction_paths(block, top, traction_pa=2e3, n_levels=4, n_paths=5, seed=1)
+    inward = inward_normals(block, by_position(block, top))
+    low, high = block.points[top].min(axis=0), block.points[top].max(axis=0)
+    area = np.prod((high - low)[:2])
+    assert len(paths) == 5
+    for path in paths:
+        size = np.linalg.norm(path.forces, axis=1)
+        np.testing.assert_allclose(size, size[0])
+        assert size.sum() == pytest.approx(2e-3 * area)
+        assert ((path.forces * inward).sum(axis=1) >= 0).all()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from physgnn import stages
-from physgnn.cli import answers, exchange, experiments, images
+from physgnn.cli import answers, exchange, experiments, images, patients
 from physgnn.cli.console import progress, say, working
 from physgnn.cli.view import view
 from physgnn.errors import InputError
@@ -258,6 +258,7 @@ app.command()(experiments.demo)
 app.command()(experiments.published)
 app.command()(experiments.reproduce)
 app.command()(experiments.ablate)
+app.command()(patients.anatomies)
 app.command()(images.warp)
 app.command()(images.register)
 app.command()(view)

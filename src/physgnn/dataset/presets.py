@@ -1,4 +1,4 @@
-"""What to simulate on a mesh, and three ready-made answers to that."""
+"""What to simulate on a mesh, and ready-made answers to that."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,7 +12,12 @@ from physgnn.errors import InputError
 from physgnn.geometry import point_sets
 from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.load_paths import all_node_paths, cone_paths, single_node_paths
+from physgnn.mechanics.load_paths import (
+    all_node_paths,
+    cone_paths,
+    single_node_paths,
+    traction_paths,
+)
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import Material, NeoHookean
 from physgnn.mechanics.resection import remove_region
@@ -107,8 +112,13 @@ PRESETS: Mapping[str, Preset] = {
         fixed=HalfSpace((23.0, -35.0), (0.0, 0.0, 0.0), "<", 30.0),
         loaded=Nearest((39.7, 8.8, 62.5), 60),
     ),
+    # Loads as strong as the second published set's, on whatever the mesh lays open.
+    "family": Preset(
+        BRAIN_AND_TUMOUR,
+        partial(traction_paths, traction_pa=2200.0, n_levels=10, n_paths=12),
+    ),
 }
-"""The published datasets, and the demonstration.
+"""The published datasets, the demonstration, and synthetic patients.
 
 The demonstration's force gives 13 to 20 mm at the most displaced point; every level
 converges.

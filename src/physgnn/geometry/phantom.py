@@ -80,11 +80,11 @@ def mni152_phantom(
         if not low <= value <= high:
             raise InputError(f"{name} must be in {low}…{high} (got {value})")
     brain, _ = check_surface(_brain_surface(n_points), "brain")
-    cortex = _outermost(brain, np.array(CRANIOTOMY_DIRECTION))
+    cortex = outermost(brain, np.array(CRANIOTOMY_DIRECTION))
     inward = brain.points.mean(axis=0) - cortex
     inward /= np.linalg.norm(inward)
     centre = cortex + (depth_mm + tumour_radius_mm) * inward
-    tumour, _ = check_surface(_sphere(centre, tumour_radius_mm), "tumour")
+    tumour, _ = check_surface(sphere(centre, tumour_radius_mm), "tumour")
     check_nested(brain, [tumour])
     return Phantom(brain, (tumour,), centre, cortex)
 
@@ -125,7 +125,7 @@ def _brain_mask() -> tuple[NDArray[np.bool_], FloatArray]:
     return np.asarray(image.dataobj) > 0, image.affine
 
 
-def _outermost(surface: Surface, direction: FloatArray) -> FloatArray:
+def outermost(surface: Surface, direction: FloatArray) -> FloatArray:
     """Return the point farthest from the centre within 5° of a direction."""
     from_centre = surface.points - surface.points.mean(axis=0)
     cosine = from_centre @ direction / np.linalg.norm(direction)
@@ -134,7 +134,7 @@ def _outermost(surface: Surface, direction: FloatArray) -> FloatArray:
     return point
 
 
-def _sphere(centre: FloatArray, radius: float) -> Surface:
+def sphere(centre: FloatArray, radius: float) -> Surface:
     """Return an icosphere of 162 points: edges of 3.3 mm at 11 mm radius."""
-    sphere = pv.Icosphere(radius=radius, center=centre, nsub=2)
-    return Surface(sphere.points, sphere.regular_faces.astype(np.int32))
+    ball = pv.Icosphere(radius=radius, center=centre, nsub=2)
+    return Surface(ball.points, ball.regular_faces.astype(np.int32))

@@ -175,6 +175,47 @@ def cone_paths(
     return paths
 
 
+def traction_paths(
+    mesh: TetMesh,
+    loaded: IntArray,
+    *,
+    traction_pa: float,
+    n_levels: int,
+    n_paths: int,
+    seed: int = 0,
+) -> list[LoadPath]:
+    """Return paths that push all nodes, each its own way, for bodies of any size.
+
+    As `all_node_paths`, but wherever on the body the nodes lie: every node has a
+    uniform draw from the hemisphere about its inward normal, and all the same force.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The mesh.
+    loaded : (n_loaded,) integer array
+        Nodes that make up whole faces of the surface.
+    traction_pa : float
+        Sum of the forces' magnitudes over the faces' area at load factor 1, Pa.
+    n_levels, n_paths : int
+        Equal load steps a path, and number of paths.
+    seed : int
+        Seed of the random draws.
+    """
+    nodes = by_position(mesh, loaded)
+    surface = boundary_surface(mesh)
+    faces = surface.points[surface.faces[np.isin(surface.faces, nodes).all(axis=1)]]
+    edges = faces[:, 1:] - faces[:, :1]
+    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum() / 2
+    drawn = np.random.default_rng(seed).normal(size=(n_paths, len(nodes), 3))
+    drawn /= np.linalg.norm(drawn, axis=2, keepdims=True)
+    inward = np.einsum("pni,ni->pn", drawn, inward_normals(mesh, nodes))
+    drawn *= np.where(inward < 0, -1.0, 1.0)[..., None]
+    forces = 1e-6 * traction_pa * area / len(nodes) * drawn
+    factors = equal_levels(n_levels)
+    return [LoadPath(nodes, force, factors) for force in forces]
+
+
 def by_position(mesh: TetMesh, nodes: IntArray) -> IntArray:
     """Return the nodes ordered by x, then y, then z."""
     x, y, z = mesh.points[nodes].T
