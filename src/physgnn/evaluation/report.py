@@ -71,7 +71,15 @@ def report_html(report: Report, pictures: Iterable[Picture]) -> str:
         return _table(made, names, tested)
 
     sections: tuple[tuple[str, tuple[str | None, ...]], ...] = (
-        ("The case", (facts.get("case", ""), shown.get("case"), shown.get("deformed"))),
+        (
+            "The case",
+            (
+                facts.get("case", ""),
+                shown.get("case"),
+                shown.get("deformed"),
+                shown.get("slices"),
+            ),
+        ),
         (
             "Accuracy",
             (
