@@ -35,6 +35,7 @@ class PathFollower:
     ) -> None:
         self._iteration, self._trend, self._min_step = iteration, trend, min_step
         self._departures = PathHistory(iteration.pattern.n_unknowns)
+        self._trusted = float("inf")  # longest step to begin with, once one failed
 
     @property
     def reached(self) -> float:
@@ -60,11 +61,12 @@ class PathFollower:
         ----------
         target : float
         step : float, optional
-            The first step to try; all the way if not given.
+            The first step to try; if not given all the way, or what the last target
+            needed.
         loose_mm : float, optional
             Tolerance of equilibria on the way, if other than at the target.
         """
-        step = step or target - self.reached
+        step = step or min(target - self.reached, self._trusted)
         while True:
             reached = self.reached
             goal = target if reached + 1.5 * step > target else reached + step
@@ -75,11 +77,12 @@ class PathFollower:
             )
             if found.status == Status.CONVERGED:
                 self._departures.add(goal, found.state - self._trend(goal))
+                step = 2 * (goal - reached)
+                self._trusted = max(self._trusted, step)
                 if goal == target:
                     return found
-                step = min(2 * step, target - goal)
                 continue
-            step = (goal - reached) / 2
+            step = self._trusted = (goal - reached) / 2
             if step < self._min_step:
                 return found
             # The failed try may have left the factor at a useless state.

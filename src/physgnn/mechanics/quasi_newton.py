@@ -22,7 +22,8 @@ from physgnn.mechanics.solution import Status
 FloatArray = NDArray[np.float64]
 
 MAX_PAIRS = 12
-MAX_HALVINGS = 12
+MAX_TRIALS = 12
+OVERSHOT = 1.0  # a step too long: it is pulled back harder than it was pulled
 # What a step with the factor of the very state leaves of the error. Seen were 0.04 of
 # steps of 0.05 mm, less than 0.01 of those below 0.02 mm; tolerances are far smaller.
 NEWTON_CONTRACTION = 0.1
@@ -148,7 +149,7 @@ class QuasiNewton:
         previous, since_factor, fresh = np.inf, 0, False
         for _ in range(self.max_iterations):
             d = self.direction(r)
-            moved, r_new, scale, inverted = self._step(state, d, load_factor)
+            moved, r_new, scale, inverted = self._step(state, d, r, load_factor)
             if scale == 0.0:
                 if fresh or not self.refactorize(state, load_factor):
                     return Equilibrium(state, Status.INVERTED, norm(r), inverted)
@@ -169,18 +170,26 @@ class QuasiNewton:
         return Equilibrium(state, Status.ITERATION_LIMIT, norm(r))
 
     def _step(
-        self, state: FloatArray, d: FloatArray, load_factor: float
+        self, state: FloatArray, d: FloatArray, r: FloatArray, load_factor: float
     ) -> tuple[FloatArray, FloatArray, float, int]:
-        """Take the longest of d, d/2, d/4 … that inverts no cell."""
-        scale, inverted = 1.0, -1
-        for _ in range(MAX_HALVINGS):
+        """Take d, or as much of it as inverts no cell and doesn't overshoot.
+
+        Forces pull back where d has gone too far; the new length is where they would
+        neither pull nor push, were they linear along d (secant).
+        """
+        scale, inverted, pull = 1.0, -1, dot(d, r)
+        for _ in range(MAX_TRIALS):
             moved = state + scale * d
-            r, bad = self.residual(moved, load_factor)
-            if bad < 0:
-                return moved, r, scale, inverted
-            inverted = bad
-            scale /= 2
-        return state, d, 0.0, inverted
+            r_new, bad = self.residual(moved, load_factor)
+            if bad >= 0:
+                inverted = bad
+                scale /= 2
+                continue
+            pull_new = dot(d, r_new)
+            if pull_new > -OVERSHOT * pull:
+                return moved, r_new, scale, inverted
+            scale *= max(pull / (pull - pull_new), 0.1)
+        return state, r, 0.0, inverted
 
     def remember(self, s: FloatArray, y: FloatArray) -> None:
         """Keep a step and what it took off the residual, for directions to come."""
