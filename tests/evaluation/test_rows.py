@@ -48,6 +48,20 @@ def test_two_kinds_of_one_model_are_named_by_their_folders(tmp_path: Path) -> No
     assert names == ["narrow", "wide", "wide", "physgnn"]
 
 
+def test_the_last_run_is_in_the_last_row(tmp_path: Path) -> None:
+    runs = [
+        fake_run(tmp_path / "a", 0),
+        fake_run(tmp_path / "b", 0, model="physgnn"),
+        fake_run(tmp_path / "c", 1),
+    ]
+    rows = run_rows(runs, store=None)
+    assert [(row.name, row.seed) for row in rows] == [
+        ("physgnn", 0),
+        ("lifted", 0),
+        ("lifted", 1),
+    ]
+
+
 def test_the_same_seed_twice_is_refused(tmp_path: Path) -> None:
     runs = [fake_run(tmp_path / name, 3) for name in "ab"]
     with pytest.raises(InputError, match=r"differ in their seed \(got \[3, 3\]\)"):

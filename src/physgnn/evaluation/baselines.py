@@ -26,12 +26,15 @@ class Baseline:
         From what is held out and a seed to the predictor.
     applies : callable
         Whether it can be made at all.
+    learns : bool
+        Whether making it is training, whose time counts.
     draws : bool
         Whether it depends on the seed.
     """
 
     make: Callable[[HeldOut, int], Predict]
     applies: Callable[[HeldOut], bool] = lambda _: True
+    learns: bool = False
     draws: bool = False
 
 
@@ -55,13 +58,17 @@ def _knows_paths(held_out: HeldOut) -> bool:
     return bool(np.isin(held_out.test[:, 0], held_out.train[:, 0]).all())
 
 
+def _has_examples(held_out: HeldOut) -> bool:
+    return len(held_out.train) > 0
+
+
 def _regressor(name: str) -> Baseline:
     def make(held_out: HeldOut, seed: int) -> Predict:
         store = held_out.store
         answer = regressor_answer(name, store, held_out.train, seed)
         return Predictor(Body.of(store), answer)
 
-    return Baseline(make, lambda held_out: len(held_out.train) > 0, draws=True)
+    return Baseline(make, _has_examples, learns=True, draws=True)
 
 
 BASELINES: Mapping[str, Baseline] = {
@@ -102,4 +109,10 @@ def baseline_rows(
 
 
 def _row(name: str, held_out: HeldOut, seed: int | None) -> Row:
-    return Row(name, lambda: BASELINES[name].make(held_out, seed or 0), seed=seed)
+    baseline = BASELINES[name]
+    return Row(
+        name,
+        lambda: baseline.make(held_out, seed or 0),
+        seed=seed,
+        minutes=None if baseline.learns else 0.0,
+    )

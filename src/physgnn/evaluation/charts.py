@@ -6,17 +6,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from physgnn.evaluation.distribution import HISTOGRAM_EDGES_MM
 from physgnn.evaluation.result import ModelErrors, Report
-from physgnn.evaluation.style import DISPLACEMENT_MAP, colour, label
+from physgnn.evaluation.style import DISPLACEMENT_MAP, colour
+from physgnn.evaluation.tables import group_label
 
 SMALLEST_SHOWN_MM = 1e-4
 SHORT_AXIS = 50.0  # highest over lowest value
 SPARSE_LEVELS = 8  # few enough for larger dots
-LEGEND_COLUMNS = 5
-LABEL_GAP = 0.055  # least distance of labels, as a fraction of the axis
+LEGEND_COLUMNS = 4
 
 
 def level_chart(report: Report) -> Figure:
@@ -24,40 +25,44 @@ def level_chart(report: Report) -> Figure:
 
     Of several seeds the mean, and a band from the lowest to the highest.
     """
-    figure = Figure(figsize=(9.6, 4.0 + 0.2 * len(report.groups)), layout="constrained")
+    figure = Figure(figsize=(9.6, 4.6), layout="constrained")
     for i, (title, attribute) in enumerate(
         (
             ("Mean error of a node", "mean"),
-            ("Largest error of a node, mean over samples", "largest"),
+            ("Largest error, mean over samples", "largest"),
         )
     ):
         axes = figure.add_subplot(1, 2, i + 1)
         axes.set(title=title, xlabel="load, % of the full force", yscale="log")
-        ends = [
-            (seeds[0].name, _draw_levels(axes, seeds, attribute, report.load_factors))
+        lines = [
+            _draw_levels(axes, seeds, attribute, report.load_factors)
             for seeds in report.groups
         ]
         axes.set_xlim(0, None)
         _label_millimetres(axes.yaxis)
-        _label_line_ends(axes, ends)
+    names = [group_label(seeds) for seeds in report.groups]
+    columns = min(len(names), LEGEND_COLUMNS)
+    figure.legend(lines, names, loc="outside lower center", ncols=columns)
     return figure
 
 
 def _draw_levels(
     axes: Axes, seeds: Sequence[ModelErrors], attribute: str, factors: Sequence[float]
-) -> float:
-    """Draw one predictor's line; return where it ends."""
+) -> Line2D:
+    """Draw one predictor's line and, of several seeds, the band about it."""
     levels, _ = _by_level(seeds[0], attribute, len(factors))
     values = np.array([_by_level(m, attribute, len(factors))[1] for m in seeds])
     values = np.maximum(values, SMALLEST_SHOWN_MM)
     load, paint = 100 * np.array(factors)[levels], colour(seeds[0].name)
     mean = values.mean(axis=0)
     size = 3 if len(levels) > SPARSE_LEVELS else 4.5
-    axes.plot(load, mean, color=paint, linewidth=2, marker="o", markersize=size)
+    (line,) = axes.plot(
+        load, mean, color=paint, linewidth=2, marker="o", markersize=size
+    )
     if len(seeds) > 1:
         band = values.min(axis=0), values.max(axis=0)
         axes.fill_between(load, *band, color=paint, alpha=0.25, linewidth=0)
-    return float(mean[-1])
+    return line
 
 
 def _by_level(
@@ -71,28 +76,9 @@ def _by_level(
     return levels, [float(np.mean(values[level])) for level in levels]
 
 
-def _label_line_ends(axes: Axes, ends: Sequence[tuple[str, float]]) -> None:
-    """Write every predictor's name at the end of its line, none over another."""
-    low, high = np.log(axes.get_ylim())
-    height = 0.0
-    for name, value in sorted(ends, key=lambda end: end[1]):
-        wanted = (np.log(max(value, SMALLEST_SHOWN_MM)) - low) / (high - low)
-        height = max(wanted, height)
-        axes.annotate(
-            label(name),
-            (1.02, height),
-            xycoords="axes fraction",
-            color=colour(name),
-            va="center",
-            fontsize=9,
-            fontweight="bold",
-        )
-        height += LABEL_GAP
-
-
 def histogram_chart(report: Report) -> Figure:
     """Distribution of the Euclidean error over all nodes and samples."""
-    figure = Figure(figsize=(9.6, 3.6), layout="constrained")
+    figure = Figure(figsize=(9.6, 4.0), layout="constrained")
     axes = figure.subplots()
     edges = np.array(HISTOGRAM_EDGES_MM)
     shown = edges[:-1] >= SMALLEST_SHOWN_MM
@@ -106,15 +92,16 @@ def histogram_chart(report: Report) -> Figure:
             edges[np.append(shown, True)],
             color=paint,
             linewidth=1.8,
-            label=label(seeds[0].name),
+            label=group_label(seeds),
         )
-        axes.stairs(
-            share[shown],
-            edges[np.append(shown, True)],
-            color=paint,
-            fill=True,
-            alpha=0.14,
-        )
+        if seeds == report.groups[-1]:  # the model under test; more would hide lines
+            axes.stairs(
+                share[shown],
+                edges[np.append(shown, True)],
+                color=paint,
+                fill=True,
+                alpha=0.14,
+            )
     axes.axvline(1.0, color=axes.xaxis.label.get_color(), linewidth=1, linestyle="--")
     axes.set(
         title="Error of a node, all nodes of all samples",
@@ -125,9 +112,8 @@ def histogram_chart(report: Report) -> Figure:
         ylabel="nodes, %",
     )
     _label_millimetres(axes.xaxis)
-    axes.legend(
-        loc="lower right", bbox_to_anchor=(1, 1), ncols=min(len(report.groups), 5)
-    )
+    columns = min(len(report.groups), LEGEND_COLUMNS)
+    figure.legend(loc="outside lower center", ncols=columns)
     return figure
 
 

@@ -65,7 +65,8 @@ def run_rows(runs: Sequence[Path], store: Store) -> list[Row]:
     records = {run: read_record(run) for run in runs}
     kinds: dict[str, list[Path]] = {}
     for run, record in records.items():
-        kinds.setdefault(_kind(record), []).append(run)
+        kind = _kind(record)
+        kinds[kind] = [*kinds.pop(kind, []), run]  # the last run's kind comes last
     models = [records[of_kind[0]]["config"]["model"] for of_kind in kinds.values()]
     rows = []
     for of_kind, model in zip(kinds.values(), models, strict=True):
