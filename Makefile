@@ -1,5 +1,6 @@
 # make setup   install into .venv           make demo    the whole job on a bundled brain
-# make test    everything that checks us    make clean   remove what these made
+# make test    everything that checks us    make bundled the model in the package
+# make clean   remove what these made
 #
 # PYTHON picks the interpreter (3.11 to 3.13); PIP_FLAGS goes to pip, see README.md.
 
@@ -8,7 +9,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
 
-.PHONY: setup demo test benchmark clean
+.PHONY: setup demo bundled test benchmark clean
 
 setup: $(STAMP)
 
@@ -20,6 +21,9 @@ $(STAMP): pyproject.toml constraints.txt
 
 demo: setup
 	$(BIN)/physgnn demo demo
+
+bundled: setup
+	$(BIN)/physgnn bundle data/bundled
 
 test: setup
 	$(BIN)/ruff format --check .

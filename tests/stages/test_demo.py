@@ -27,8 +27,8 @@ def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     preset = PRESETS["demo"]
     few = replace(preset, paths=partial(preset.paths, n_paths=10, n_levels=2))
     monkeypatch.setitem(PRESETS, "demo", few)  # type: ignore[arg-type]
-    monkeypatch.setattr(demo, "TARGET_POINTS", 2800)
-    monkeypatch.setattr(demo, "TRAINING_MINUTES", 0.05)
+    small = replace(demo.DEMO, target_points=2800, training_minutes=0.05)
+    monkeypatch.setattr(demo, "DEMO", small)
     monkeypatch.setattr("os.cpu_count", lambda: 1)  # no processes to start
 
     said: list[str] = []

@@ -6,10 +6,8 @@ from typing import Annotated
 import typer
 
 from physgnn import stages
+from physgnn.bundled import BUNDLED_RUN
 from physgnn.cli.console import progress, working
-
-Run = Annotated[Path, typer.Argument(help="Folder of a trained model.")]
-
 
 Out = Annotated[
     Path,
@@ -76,9 +74,12 @@ def evaluate(
 
 
 def predict(
-    run: Run,
     load: Annotated[Path, typer.Option(help="Load case, JSON.")],
     out: Out,
+    run: Annotated[
+        Path | None,
+        typer.Argument(help="Folder of a trained model; by default the bundled one."),
+    ] = None,
     form: Form = None,
     image: Grid = None,
     tolerance_mm: Annotated[
@@ -91,7 +92,7 @@ def predict(
     """Predict the displacement under one load case."""
     with working("predicting"):
         answer = stages.predict(
-            run,
+            run or BUNDLED_RUN,
             load,
             out,
             form=form,

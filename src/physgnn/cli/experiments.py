@@ -83,3 +83,16 @@ def demo(
     from physgnn.stages.demo import run_demo
 
     print(run_demo(folder, show=progress, log=say))
+
+
+def bundle(
+    folder: Annotated[Path, typer.Argument(help="Where the work goes.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Else into the package.")
+    ] = None,
+) -> None:
+    """Make the model that comes with the package; call again to resume."""
+    from physgnn.bundled import BUNDLED_RUN
+    from physgnn.stages.bundling import bundle
+
+    print(bundle(folder, out or BUNDLED_RUN, show=progress, log=say))

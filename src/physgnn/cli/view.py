@@ -11,7 +11,7 @@ from physgnn.cli.console import say
 def view(
     path: Annotated[
         Path | None,
-        typer.Argument(help="Run folder or mesh; by default the bundled brain."),
+        typer.Argument(help="Run folder or mesh; by default the bundled model."),
     ] = None,
     port: Annotated[
         int, typer.Option(min=0, max=65535, help="On 127.0.0.1; 0 takes a free one.")

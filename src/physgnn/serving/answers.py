@@ -139,10 +139,10 @@ def _tumour_nodes(engine: Engine) -> NDArray[np.int64] | None:
 def _limits(engine: Engine) -> dict[str, float]:
     """Return where the page's sliders start and end."""
     viewed, exposed = engine.viewed, engine.viewed.exposed
-    fewest = len(exposed.nodes) // 3
+    usual = len(exposed.nodes) // 4
     if viewed.calibration is not None:
-        fewest = viewed.calibration.trained_range.fewest_nodes
-    radius, force = _radius_of(exposed, fewest), viewed.usual_force_n
+        usual = max(usual, viewed.calibration.trained_range.fewest_nodes)
+    radius, force = _radius_of(exposed, usual), viewed.usual_force_n
     return {
         "force_n": force / 3,
         "max_force_n": 1.25 * force,

@@ -32,7 +32,7 @@ def serve(
     Parameters
     ----------
     path : path, optional
-        A run folder or a mesh; by default the bundled brain.
+        A run folder or a mesh; by default the bundled model.
     port : int
         On 127.0.0.1; 0 takes a free one.
     image : path, optional

@@ -7,19 +7,19 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.dataset.presets import BRAIN_AND_TUMOUR, PRESETS
+from physgnn.bundled import BUNDLED_RUN
+from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.errors import InputError
-from physgnn.geometry import TetMesh, mni152_phantom, select, tetrahedralize
+from physgnn.geometry import TetMesh
 from physgnn.learning.interface import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.indicators import INDICATORS, Indicator
-from physgnn.prediction.prediction import Answer, Predict
+from physgnn.prediction.linear import linear_answer
+from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import Predictor
-from physgnn.serving.live_predictor import linear_on, live_predictor
 from physgnn.serving.patch import Exposed
 
-BUNDLED_POINTS = 6000
 DEFAULT_FORCE_N = 4.0
 
 
@@ -65,7 +65,7 @@ class Viewed:
 
 
 def view(path: str | Path | None) -> Viewed:
-    """Return what a path holds: a run folder, a mesh, or, for None, the bundled case.
+    """Return what a path holds: a run folder, a mesh, or, for None, the bundled model.
 
     A mesh has linear elasticity and finite elements only, and the published materials.
 
@@ -75,10 +75,10 @@ def view(path: str | Path | None) -> Viewed:
         If it is neither, or the mesh has no point set "fixed".
     """
     if path is None:
-        return view_mesh(bundled_mesh(), "MNI152")
+        return view_run(BUNDLED_RUN, "MNI152 with a tumour")
     path = Path(path)
     if path.is_dir():
-        return view_run(path)
+        return view_run(path, "/".join(path.resolve().parts[-2:]))
     if path.suffix != ".vtu":
         raise InputError(f"{path} must be a run folder or a mesh, .vtu")
     from physgnn.io import read_mesh
@@ -86,23 +86,20 @@ def view(path: str | Path | None) -> Viewed:
     return view_mesh(read_mesh(path), path.stem)
 
 
-def view_run(run: Path) -> Viewed:
+def view_run(run: Path, title: str) -> Viewed:
     """Return a trained run: what was loaded in training is what is exposed."""
     network = Predictor.load(run)
     body, calibration = network.body, network.calibration
     trained = None if calibration is None else calibration.trained_range.nodes
     exposed = Exposed.of(body, _exposed_nodes(body.mesh, trained))
-    linear = linear_on(body, exposed.nodes)
+    linear = network.linear or linear_answer(body)
     return Viewed(
-        title="/".join(run.resolve().parts[-2:]),
+        title=title,
         body=body,
-        answers={
-            "network": live_predictor(network, linear),
-            "linear": Predictor(body, linear),
-        },
+        answers={"network": network, "linear": Predictor(body, linear)},
         exposed=exposed,
         calibration=calibration,
-        indicator=_indicator(body, calibration, linear),
+        indicator=calibration and INDICATORS[calibration.indicator](body, linear),
     )
 
 
@@ -110,30 +107,8 @@ def view_mesh(mesh: TetMesh, title: str) -> Viewed:
     """Return a mesh without a network, made of the published materials."""
     body = Body(mesh, BRAIN_AND_TUMOUR, mesh.point_set("fixed"))
     exposed = Exposed.of(body, _exposed_nodes(mesh, None))
-    linear = Predictor(body, linear_on(body, exposed.nodes))
+    linear = Predictor(body, linear_answer(body))
     return Viewed(title, body, {"linear": linear}, exposed)
-
-
-def bundled_mesh() -> TetMesh:
-    """Return the bundled brain and tumour with a craniotomy above it."""
-    phantom = mni152_phantom()
-    mesh = tetrahedralize(
-        phantom.brain, phantom.tumours, target_points=BUNDLED_POINTS, log=lambda _: None
-    )
-    preset = PRESETS["demo"]
-    rules = {"fixed": preset.fixed, "loaded": preset.loaded}
-    sets = {name: select(mesh, rule) for name, rule in rules.items() if rule}
-    return mesh.with_point_sets(**sets)
-
-
-def _indicator(
-    body: Body, calibration: Calibration | None, linear: Answer
-) -> Indicator | None:
-    if calibration is None:
-        return None
-    if calibration.indicator == "correction":
-        return lambda case, displacement: displacement - linear(case)
-    return INDICATORS[calibration.indicator](body)
 
 
 def _exposed_nodes(

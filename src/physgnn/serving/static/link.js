@@ -1,14 +1,16 @@
-// The WebSocket: reconnects, counts answers, measures how long they take.
+// The WebSocket: reconnects, keeps the server busy, measures how long answers take.
 
 import { decode } from "./frames.js";
 
 const RECONNECT_MS = 1000;
+const AHEAD = 2; // pushes on their way: one being answered, one so that the next starts at once
 
 export class Link {
   /** `handlers`: onScene, onSection, onAnswer, onText, onClosed. */
   constructor(handlers) {
     this.handlers = handlers;
-    this.sent = new Map(); // push id → when it was sent
+    this.sent = new Map(); // id of a push not answered yet → when it was sent
+    this.next = null; // makes the newest push, which waits for its turn
     this.arrivals = [];
     this.latencyMs = null;
     this.id = 0;
@@ -21,6 +23,7 @@ export class Link {
     this.socket.binaryType = "arraybuffer";
     this.socket.onmessage = ({ data }) => this.receive(data);
     this.socket.onclose = () => {
+      this.forget();
       this.handlers.onClosed();
       setTimeout(() => this.connect(), RECONNECT_MS);
     };
@@ -30,32 +33,54 @@ export class Link {
     return this.socket.readyState === WebSocket.OPEN;
   }
 
-  /** Send a message; a push gets an id, which is returned. */
   send(message) {
-    if (!this.open) return null;
-    if (message.type === "push") {
-      message = { ...message, id: ++this.id };
-      this.sent.set(this.id, performance.now());
-    }
-    this.socket.send(JSON.stringify(message));
-    return message.id ?? null;
+    if (this.open) this.socket.send(JSON.stringify(message));
+  }
+
+  /** Have the load answered as it is when its turn comes; `make` returns the message. */
+  push(make) {
+    this.next = make;
+    this.turn();
+  }
+
+  /** No answer is wanted any more. */
+  forget() {
+    this.next = null;
+    this.sent.clear();
+  }
+
+  turn() {
+    if (this.next === null || !this.open || this.sent.size >= AHEAD) return;
+    const message = { ...this.next(), id: ++this.id };
+    this.next = null;
+    this.sent.set(this.id, performance.now());
+    this.send(message);
+  }
+
+  /** A push has its answer, and those before it will not get one; returns when it was sent. */
+  settle(id) {
+    const when = this.sent.get(id) ?? null;
+    for (const old of this.sent.keys()) if (id === null || old <= id) this.sent.delete(old);
+    this.turn();
+    return when;
   }
 
   receive(data) {
-    if (typeof data === "string") return this.handlers.onText(JSON.parse(data));
+    if (typeof data === "string") {
+      const message = JSON.parse(data);
+      if (message.kind === "error") this.settle(message.id);
+      return this.handlers.onText(message);
+    }
     const { header, arrays } = decode(data);
     if (header.kind === "scene") this.handlers.onScene(header, arrays);
     else if (header.kind === "section") this.handlers.onSection(header, arrays);
-    else this.handlers.onAnswer(header, arrays);
+    else this.handlers.onAnswer(header, arrays, this.settle(header.id));
   }
 
-  /** Note that the first answer to a push is on the screen. */
-  drawn(id) {
-    const sent = this.sent.get(id);
-    if (sent === undefined) return;
+  /** Note that the answer to a push sent at `when` is on the screen. */
+  drawn(when) {
     const now = performance.now();
-    this.latencyMs = now - sent;
-    for (const old of this.sent.keys()) if (old <= id) this.sent.delete(old);
+    this.latencyMs = now - when;
     this.arrivals.push(now);
   }
 

@@ -13,6 +13,7 @@ import { Touch } from "./touch.js";
 const { $, NAMES } = panel;
 const SOLVED = "finite elements";
 const AXES = [["none", "Off"], ["sagittal", "Sag"], ["coronal", "Cor"], ["axial", "Ax"]];
+const PATIENCE_MS = 80; // an answer draws the load too; later than this it is drawn alone
 const COLOURS = { calm: 0x45c3a6, outside: 0xf0a843 };
 
 const chosen = { answer: "network", field: "displacement", solve: false, compare: false, axis: "none" };
@@ -20,7 +21,6 @@ const answers = new Map(); // name → {header, arrays} of the load as it is now
 let scene = null;
 let sectionFrame = null;
 let solving = false;
-let lastId = null;
 let setForce = () => {};
 let setRadius = () => {};
 
@@ -65,17 +65,17 @@ function onSection(header, arrays) {
   else show();
 }
 
-function onAnswer(header, arrays) {
+function onAnswer(header, arrays, sent) {
   // While the pointer moves, an answer to a moment ago is better than none.
-  if (!load.point || (header.answer === SOLVED && header.id !== lastId)) return;
+  if (!load.point || (header.answer === SOLVED && header.id !== link.id)) return;
   answers.set(header.answer, { header, arrays });
   if (header.answer === SOLVED) solving = false;
   show();
-  if (header.answer === chosen.answer) stage.afterDraw.push(() => { link.drawn(header.id); showSpeed(); });
+  if (sent !== null) stage.afterDraw = () => link.drawn(sent);
 }
 
 function onText(message) {
-  if (message.kind === "solving") solving = message.id === lastId;
+  if (message.kind === "solving") solving = message.id === link.id;
   else { solving = false; panel.showMessage(message.text); }
   show();
 }
@@ -86,20 +86,10 @@ function onClosed() {
 
 // --- to the server
 
-let asked = false;
-
-/** Ask once a frame at most, however fast the pointer moves. */
 function ask() {
-  if (asked) return;
-  asked = true;
-  requestAnimationFrame(() => {
-    asked = false;
-    if (!load.point) return;
-    const id = link.send(load.message(wanted()));
-    if (id !== null) lastId = id;
-    answers.delete(SOLVED);
-    solving = false;
-  });
+  answers.delete(SOLVED);
+  solving = false;
+  link.push(() => load.message(wanted()));
 }
 
 function wanted() {
@@ -114,9 +104,9 @@ function loadChanged() {
   if (load.point) {
     $("hint").classList.add("done");
     ask();
-    placeArrow();
-    restyle();
+    showLoadSoon();
   } else {
+    link.forget();
     link.send({ type: "release" });
     answers.clear();
     showRest();
@@ -141,6 +131,21 @@ function shown() {
   return [answers.has(SOLVED) ? SOLVED : chosen.answer];
 }
 
+let patience = 0;
+
+/** Show the load with its answer, so that nothing is drawn twice, but don't wait long. */
+function showLoadSoon() {
+  if (!answers.has(chosen.answer)) showLoad();
+  else patience ||= setTimeout(showLoad, PATIENCE_MS);
+}
+
+function showLoad() {
+  clearTimeout(patience);
+  patience = 0;
+  placeArrow();
+  restyle();
+}
+
 function show() {
   if (!scene) return;
   const names = shown();
@@ -151,8 +156,7 @@ function show() {
   const best = chosen.compare ? answers.get(chosen.answer) : answers.get(names[0]);
   if (best) panel.showAnswer(best.header, solving);
   showCaptions(names);
-  placeArrow();
-  restyle();
+  showLoad();
 }
 
 function showRest() {

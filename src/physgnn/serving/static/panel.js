@@ -4,6 +4,8 @@ import { drawLegend, FIELDS, ticks } from "./colours.js";
 
 export const $ = (id) => document.getElementById(id);
 
+const READ_MS = 100; // numbers that change faster can't be read, and cost time
+
 export const NAMES = { network: "Network", linear: "Linear", "finite elements": "Finite elements" };
 
 /** Fill a group of radio buttons; `options` is a list of [value, label, enabled]. */
@@ -36,7 +38,26 @@ export function slider(id, { min, max, value }, format, onInput) {
   return (v) => { input.value = v; show(); };
 }
 
+/** Call `act` at once, and again at most so often as one can read, with what is newest. */
+function calm(act) {
+  let newest = null, timer = 0;
+  const run = () => {
+    timer = 0;
+    if (newest === null) return;
+    timer = setTimeout(run, READ_MS);
+    act(...newest.splice(0));
+    newest = null;
+  };
+  const calmed = (...values) => {
+    newest = values;
+    if (!timer) run();
+  };
+  calmed.cancel = () => { newest = null; };
+  return calmed;
+}
+
 export function showRest() {
+  showAnswer.cancel();
   chip("at rest", "");
   for (const id of ["largest", "tumour", "error"]) $(id).textContent = "–";
   $("reasons").replaceChildren();
@@ -46,7 +67,7 @@ export function showRest() {
   $("error-bar").querySelector(".value").style.left = "0";
 }
 
-export function showAnswer(header, solving) {
+export const showAnswer = calm((header, solving) => {
   $("largest").textContent = header.largest_mm.toFixed(2);
   $("tumour").textContent = header.tumour_mm === null ? "–" : header.tumour_mm.toFixed(2);
   showError(header);
@@ -54,7 +75,7 @@ export function showAnswer(header, solving) {
   const after = solving ? " · finite elements are solving…" : "";
   $("source").textContent =
     `${NAMES[header.answer]} · ${milliseconds(header.seconds)} · ${header.loaded_nodes} nodes loaded${after}`;
-}
+});
 
 function showStatus({ answer, status, remedy, reasons }) {
   if (status === "outside trained range") chip("outside the trained range", "outside");
@@ -97,7 +118,10 @@ export function milliseconds(seconds) {
   return seconds < 1 ? `${Math.round(1000 * seconds)} ms` : `${seconds.toFixed(1)} s`;
 }
 
+let legend = "";
+
 export function showLegend(field, range) {
+  if (legend === (legend = `${field} ${range}`)) return;
   $("legend").hidden = false;
   $("legend-title").textContent = FIELDS[field].title;
   drawLegend($("legend-bar").getContext("2d"), field);

@@ -8,17 +8,26 @@ const LETTERS = { R: [1, 0, 0], L: [-1, 0, 0], A: [0, 1, 0], P: [0, -1, 0], S: [
 const VIEW_ANGLE = 32;
 const SLOW_MS = 20; // a draw that takes longer is coarser while things move
 const COARSE = 0.5;
+const FINE = 1.5;
 const SHARP_AFTER_MS = 250;
 THREE.ColorManagement.enabled = false;
+
+/** Whether WebGL runs on a graphics card; a processor cannot afford smoothing each frame. */
+function hasGraphicsCard() {
+  const context = document.createElement("canvas").getContext("webgl2", { failIfMajorPerformanceCaveat: true });
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return context !== null;
+}
 
 export class Stage {
   constructor(canvas, lettersBox) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.drawsItself = !hasGraphicsCard();
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.drawsItself, alpha: true });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // colours are as written
     this.renderer.setClearColor(0x000000, 0);
     this.pixelRatio = Math.min(devicePixelRatio, 2);
-    this.renderer.setPixelRatio(this.pixelRatio);
+    this.setRatio(this.pixelRatio);
     this.renderer.autoClear = false;
     this.camera = new THREE.PerspectiveCamera(VIEW_ANGLE, 1);
     this.camera.up.set(0, 0, 1);
@@ -26,7 +35,7 @@ export class Stage {
     this.controls.enablePan = false;
     this.controls.addEventListener("change", () => this.invalidate());
     this.views = [];
-    this.afterDraw = [];
+    this.afterDraw = null;
     this.lettersBox = lettersBox;
     this.letters = Object.keys(LETTERS).map((text) => {
       const span = lettersBox.appendChild(document.createElement("span"));
@@ -47,7 +56,7 @@ export class Stage {
   /** Have as many bodies as names. */
   setViews(n) {
     this.views = Array.from({ length: n }, () => new BodyView(this.arrays, this.size));
-    this.slow = this.drawingTime() > SLOW_MS;
+    this.slow = this.drawsItself || this.drawingTime() > SLOW_MS;
     this.invalidate();
   }
 
@@ -87,7 +96,8 @@ export class Stage {
       this.scheduled = false;
       if (this.slow) this.hurry();
       this.draw();
-      for (const done of this.afterDraw.splice(0)) done();
+      this.afterDraw?.();
+      this.afterDraw = null;
     });
   }
 
@@ -95,16 +105,24 @@ export class Stage {
   hurry() {
     this.setSharp(false);
     clearTimeout(this.sharpening);
-    this.sharpening = setTimeout(() => {
-      this.setSharp(true);
-      this.draw();
-    }, SHARP_AFTER_MS);
+    this.sharpening = setTimeout(() => this.sharpen(), SHARP_AFTER_MS);
+  }
+
+  sharpen() {
+    if (this.canvas.classList.contains("busy")) return this.hurry(); // somebody is dragging
+    this.setSharp(true);
+    this.draw();
   }
 
   /** Whether to draw every pixel and the far side of the brain, or to save time. */
   setSharp(is) {
-    this.renderer.setPixelRatio((is ? 1 : COARSE) * this.pixelRatio);
+    const finest = this.drawsItself ? FINE : 1; // more pixels instead of smoothing
+    this.setRatio((is ? finest : COARSE) * this.pixelRatio);
     for (const view of this.views) view.back.visible = is;
+  }
+
+  setRatio(ratio) {
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
   }
 
   draw() {
