@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 
 from physgnn.mechanics import NeoHookean, RestState
-from physgnn.mechanics.assembly import make_pattern
-from physgnn.mechanics.linear_solver import PardisoSolver, make_linear_solver
+from physgnn.mechanics.assembly import assemble_tangent, make_pattern
+from physgnn.mechanics.element import make_elements
+from physgnn.mechanics.factor_cache import MAX_BYTES, factorize_cached
+from physgnn.mechanics.linear_solver import (
+    FACTOR_FILE,
+    PardisoSolver,
+    make_linear_solver,
+)
 
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
 
@@ -44,7 +50,29 @@ def test_another_matrix_has_another_factor(block, force, tmp_path):
 def test_a_damaged_factor_is_made_again(block, force, tmp_path):
     first = RestState(block, MATERIALS, cache=tmp_path).solve(force)
     (kept,) = tmp_path.iterdir()
-    (kept / "handle.pds").unlink()
-    again = RestState(block, MATERIALS, cache=tmp_path).solve(force)
-    np.testing.assert_array_equal(again, first)
-    assert (kept / "handle.pds").exists()
+    factor = kept / FACTOR_FILE
+    whole = factor.read_bytes()
+    for damage in (b"", whole[:-1000], whole[:5000] + b"\x55" + whole[5001:]):
+        factor.write_bytes(damage)
+        again = RestState(block, MATERIALS, cache=tmp_path).solve(force)
+        np.testing.assert_array_equal(again, first)
+        assert factor.read_bytes() != damage
+
+
+def test_the_factor_not_used_for_longest_goes_first(block, tmp_path):
+    def keep(young: float, max_bytes: int = MAX_BYTES) -> set[str]:
+        elements = make_elements(block, dict.fromkeys((0, 1), NeoHookean(young, 0.3)))
+        pattern = make_pattern(block.cells, block.n_points, block.point_set("fixed"))
+        data, _ = assemble_tangent(elements, pattern, np.zeros_like(block.points))
+        solver = make_linear_solver(pattern)
+        factorize_cached(solver, pattern, data, tmp_path, max_bytes=max_bytes)
+        return {kept.name for kept in tmp_path.iterdir()}
+
+    one = keep(1000.0)
+    (size,) = (file.stat().st_size for file in tmp_path.glob(f"*/{FACTOR_FILE}"))
+    two = keep(2000.0)
+    assert one < two
+    assert keep(1000.0) == two, "the first is read, and is the last used now"
+    three = keep(3000.0, max_bytes=5 * size // 2)
+    assert len(three) == 2
+    assert one < three

@@ -25,6 +25,7 @@ Precision = Literal["single", "double"]
 _ANALYSE, _FACTORISE, _SOLVE, _RELEASE = 11, 22, 33, -1
 _POSITIVE_DEFINITE, _INDEFINITE = 2, -2
 _NOT_POSITIVE = -4
+FACTOR_FILE = "handle.pds"  # as pardiso_handle_store names it
 _CBWR_AUTO, _CBWR_STRICT = 2, 0x10000  # mkl_types.h: conditional reproducibility
 
 
@@ -104,7 +105,7 @@ class PardisoSolver:
         return x.astype(np.float64)
 
     def store(self, folder: Path) -> None:
-        """Write the factor into a folder, as ``handle.pds``."""
+        """Write the factor into a folder, as ``FACTOR_FILE``."""
         self._on_disk("pardiso_handle_store", folder)
 
     def restore(self, folder: Path, data: FloatArray) -> bool:
