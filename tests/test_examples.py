@@ -36,6 +36,7 @@ def test_every_example_is_tested() -> None:
         "training.toml",
         "simulate_block.py",
         "measured.csv",
+        "scan_to_scan.ipynb",  # tests/test_notebook.py
         *(f"{name}.toml" for name in BEYOND_FORCES),
     }
 
