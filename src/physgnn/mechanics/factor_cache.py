@@ -10,6 +10,7 @@ import os
 import shutil
 import tempfile
 import time
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -72,7 +73,8 @@ def factorize_cached(
         part.replace(kept)
     except OSError:  # another process was first
         shutil.rmtree(part, ignore_errors=True)
-    _forget_oldest(folder, max_bytes)
+    with suppress(FileNotFoundError):  # another process forgets, too
+        _forget_oldest(folder, max_bytes)
     return True
 
 
@@ -98,7 +100,7 @@ def _use(kept: Path) -> None:
 def _forget_oldest(folder: Path, max_bytes: int) -> None:
     total = 0
     factors = {
-        file.parent: file.stat().st_mtime for file in folder.glob(f"*/{CHECKSUM}")
+        file.parent: file.stat().st_mtime_ns for file in folder.glob(f"*/{CHECKSUM}")
     }
     for kept in sorted(factors, key=factors.__getitem__, reverse=True):
         total += sum(file.stat().st_size for file in kept.iterdir())
