@@ -7,7 +7,7 @@ load path from rest.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,19 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import make_pattern
 from physgnn.mechanics.descent import descend
 from physgnn.mechanics.element import make_elements
+from physgnn.mechanics.known_states import KnownState, NearestKnown
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.path_following import PathFollower
 from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton
+from physgnn.mechanics.relaxation import (
+    KnownFactor,
+    Relaxation,
+    any_state_force,
+    relax,
+)
 from physgnn.mechanics.rest_state import fixed_points
 from physgnn.mechanics.solution import Status
 
@@ -64,8 +71,11 @@ class Approach:
     mesh : TetMesh
     materials : mapping of region label to Material
     fixed : str or integer array
-    known : (n_known, n_points, 3) array, optional
-        Stable equilibria under loads like those to come, mm.
+    known : callable, optional
+        From a load's forces (n_points, 3), N, to the nearest equilibrium known; by
+        default that is the rest state.
+    element : str
+        As in `SolverOptions`.
     threads : int
         Threads of the linear solver.
     """
@@ -76,17 +86,42 @@ class Approach:
         materials: Mapping[int, Material],
         fixed: str | IntArray = "fixed",
         *,
-        known: FloatArray | None = None,
+        known: NearestKnown | None = None,
+        element: str = "tet4",
         threads: int = 1,
     ) -> None:
         self._mesh, self._fixed = mesh, fixed_points(mesh, fixed)
-        self._elements = make_elements(mesh, materials)
-        self._pattern = make_pattern(mesh.cells, mesh.n_points, self._fixed)
+        self._elements = make_elements(mesh, materials, element)
+        self._pattern = make_pattern(
+            mesh.cells, mesh.n_points, self._fixed, self._elements.averaging
+        )
         self._linear = make_linear_solver(
             self._pattern, precision="single", threads=threads
         )
-        rest = np.zeros((1, mesh.n_points, 3))
-        self._known = rest if known is None else np.concatenate([rest, known])
+        rest = np.zeros((mesh.n_points, 3))
+        at_rest = KnownState.of(self._elements, self._pattern, rest)
+        self._known: NearestKnown = known or (lambda _: at_rest)
+
+    def relax(self, case: LoadCase, guess: FloatArray) -> Relaxation:
+        """Take a few cheap steps from a guess towards the equilibrium under a load.
+
+        Parameters
+        ----------
+        case : LoadCase
+        guess : (n_points, 3) array
+            mm, finite; cells may be inverted in it.
+        """
+        known = self._known(case.on_points(len(guess)))
+        iteration = replace(
+            self._iteration(case, np.inf), solver=KnownFactor(self._pattern, known)
+        )
+        start = self._unknowns(guess)
+        if self._elements.averaging is None:
+            iteration = replace(iteration, force=any_state_force)
+        else:  # stress is continued in lone cells only
+            end = self._unknowns(known.displacement)
+            start = _without_inverted_cells(iteration, end, start)
+        return relax(iteration, start)
 
     def solve(
         self, case: LoadCase, guess: FloatArray | None = None, *, tolerance_mm: float
@@ -106,16 +141,9 @@ class Approach:
         InputError
             If a loaded node is missing from the mesh or fixed.
         """
-        path = LoadPath(case.nodes, case.forces, np.ones(1))
-        iteration = QuasiNewton(
-            self._elements,
-            self._pattern,
-            self._linear,
-            Loading(self._mesh, path, self._fixed),
-            tolerance_mm,
-            MAX_ITERATIONS,
-        )
-        tries = self._tries(iteration, guess)
+        iteration = self._iteration(case, tolerance_mm)
+        known = self._known(case.on_points(self._mesh.n_points)).displacement
+        tries = self._tries(iteration, guess, self._unknowns(known))
         origin, found = next(tries)
         while found.status != Status.CONVERGED and origin != "path":
             origin, found = next(tries)
@@ -126,21 +154,34 @@ class Approach:
             iteration.counts,
         )
 
+    def _iteration(self, case: LoadCase, tolerance_mm: float) -> QuasiNewton:
+        path = LoadPath(case.nodes, case.forces, np.ones(1))
+        return QuasiNewton(
+            self._elements,
+            self._pattern,
+            self._linear,
+            Loading(self._mesh, path, self._fixed),
+            tolerance_mm,
+            MAX_ITERATIONS,
+        )
+
+    def _unknowns(self, displacement: FloatArray) -> FloatArray:
+        return displacement[self._pattern.free].ravel()
+
     def _tries(
-        self, iteration: QuasiNewton, guess: FloatArray | None
+        self, iteration: QuasiNewton, guess: FloatArray | None, known: FloatArray
     ) -> Iterator[tuple[str, Equilibrium]]:
-        rest = np.zeros(self._pattern.n_unknowns)
+        rest = np.zeros_like(known)
         if guess is not None and np.isfinite(guess).all():
-            distance = np.square(self._known - guess).sum(axis=(1, 2))
-            nearest = int(distance.argmin())
-            known = self._known[nearest][self._pattern.free].ravel()
-            end = guess[self._pattern.free].ravel()
-            start = _without_inverted_cells(iteration, known, end)
+            start = _without_inverted_cells(iteration, known, self._unknowns(guess))
             yield "guess", descend(iteration, start, fallback=known)
-            if nearest > 0:
+            if known.any():
                 yield "known", descend(iteration, known, fallback=known)
         yield "rest", descend(iteration, rest, fallback=rest)
-        yield "path", _walk(iteration, rest)
+        found = _walk(iteration, rest)
+        if found.status == Status.CONVERGED:
+            found = descend(iteration, found.state, fallback=rest)  # is it stable?
+        yield "path", found
 
 
 def _without_inverted_cells(

@@ -44,42 +44,60 @@ def descend(
     Returns
     -------
     Equilibrium
-        CONVERGED once the estimated error is below the iteration's tolerance.
+        CONVERGED once the estimated error is below the iteration's tolerance and K(u)
+        there was seen to be positive definite: the equilibrium is stable.
     """
-    if not _refactorize(iteration, start, fallback):
-        return Equilibrium(start, Status.LIMIT_POINT, np.inf)
-    state, (r, _) = start, iteration.residual(start, 1.0)
-    previous, since_factor = np.inf, 0
+    descent = _Descent(iteration, start, fallback)
+    status = descent.renew()
     for _ in range(MAX_STEPS):
-        d = iteration.direction(r)
-        scale, r_new = _follow(iteration, state, d, r)
+        if status is not None:
+            return Equilibrium(descent.state, status, norm(descent.r))
+        status = descent.step()
+    return Equilibrium(descent.state, status or Status.ITERATION_LIMIT, norm(descent.r))
+
+
+class _Descent:
+    """A state on its way down, and what is known of the factor in use."""
+
+    def __init__(
+        self, iteration: QuasiNewton, start: FloatArray, fallback: FloatArray
+    ) -> None:
+        self.state, (self.r, _) = start, iteration.residual(start, 1.0)
+        self._iteration, self._fallback = iteration, fallback
+
+    def renew(self, *, prove: bool = False) -> Status | None:
+        """Factorise K(u), or unless it must prove u stable, that of the fallback."""
+        self._size, self._since_factor = np.inf, 0
+        self._proven = self._iteration.refactorize(self.state, 1.0)
+        if self._proven or (
+            not prove and self._iteration.refactorize(self._fallback, 1.0)
+        ):
+            return None
+        return Status.LIMIT_POINT
+
+    def step(self) -> Status | None:
+        """Go down one step; return how the descent ended, None if it did not."""
+        iteration, previous = self._iteration, self._size
+        d = iteration.direction(self.r)
+        scale, r_new = follow(iteration, self.state, d, self.r)
         if scale == 0.0:
-            if since_factor == 0 or not _refactorize(iteration, state, fallback):
-                return Equilibrium(state, Status.INVERTED, norm(r))
-            previous, since_factor = np.inf, 0
-            continue
-        iteration.remember(scale * d, r - r_new)
-        state, r, size = state + scale * d, r_new, scale * largest_norm(d)
+            return self.renew() if self._since_factor else Status.INVERTED
+        iteration.remember(scale * d, self.r - r_new)
+        self.state, self.r = self.state + scale * d, r_new
+        self._size = scale * largest_norm(d)
+        newton = self._proven and self._since_factor == 0
+        # The factor proves K(u) positive definite as long as u is where it was made.
+        self._proven = self._proven and self._size < iteration.tolerance_mm
+        self._since_factor += 1
         whole = scale == 1.0
-        if whole and iteration.error_left(size, previous) < iteration.tolerance_mm:
-            return Equilibrium(state, Status.CONVERGED, norm(r))
-        since_factor += 1
-        slow = whole and since_factor >= 3 and size > previous
-        if since_factor >= RENEW_AFTER or slow:
-            if not _refactorize(iteration, state, fallback):
-                return Equilibrium(state, Status.LIMIT_POINT, norm(r))
-            size, since_factor = np.inf, 0
-        previous = size
-    return Equilibrium(state, Status.ITERATION_LIMIT, norm(r))
+        left = iteration.error_left(self._size, previous, fresh=newton)
+        if whole and left < iteration.tolerance_mm:
+            return Status.CONVERGED if self._proven else self.renew(prove=True)
+        slow = whole and self._since_factor >= 3 and self._size > previous
+        return self.renew() if slow or self._since_factor >= RENEW_AFTER else None
 
 
-def _refactorize(
-    iteration: QuasiNewton, state: FloatArray, fallback: FloatArray
-) -> bool:
-    return iteration.refactorize(state, 1.0) or iteration.refactorize(fallback, 1.0)
-
-
-def _follow(
+def follow(
     iteration: QuasiNewton, state: FloatArray, d: FloatArray, r: FloatArray
 ) -> tuple[float, FloatArray]:
     """Return how far to go along a direction, 0 if nowhere, and the residual there."""

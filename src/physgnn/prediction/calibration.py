@@ -1,7 +1,8 @@
 """Error estimates that keep a promised coverage, calibrated on held-out samples."""
 
 import json
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ from physgnn.progress import Progress
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+COVERAGES = (0.9, 0.95)
+RELAXATION = "relaxation"  # the indicator of `physgnn.mechanics.relaxation`
 FLOOR_MM = 0.01  # added to the indicator, so that tiny loads do not set the factor
 
 
@@ -28,7 +31,7 @@ class Calibration:
     Attributes
     ----------
     indicator : str
-        Row of `indicators.INDICATORS`.
+        Row of `indicators.INDICATORS`, or `RELAXATION`.
     coverage : float
         Probability that a bound holds for a new load path.
     mean_factor, max_factor : float
@@ -37,6 +40,8 @@ class Calibration:
         What it was calibrated on.
     trained_range : TrainedRange
         Loads of the training samples.
+    others : tuple of (coverage, mean factor, max factor)
+        Factors for other promises (`at`).
     """
 
     indicator: str
@@ -46,6 +51,18 @@ class Calibration:
     n_paths: int
     n_samples: int
     trained_range: TrainedRange
+    others: tuple[tuple[float, float, float], ...] = ()
+
+    def at(self, coverage: float) -> "Calibration":
+        """Return the same with another promise; InputError names those there are."""
+        rows = ((self.coverage, self.mean_factor, self.max_factor), *self.others)
+        for promised, mean, largest in rows:
+            if promised == coverage:
+                return replace(
+                    self, coverage=promised, mean_factor=mean, max_factor=largest
+                )
+        have = ", ".join(f"{row[0]:g}" for row in rows)
+        raise InputError(f"no bounds are calibrated for coverage {coverage:g} ({have})")
 
     def estimate(self, field: FloatArray) -> ErrorEstimate:
         """Return the error bounds that follow from an indicator field."""
@@ -68,7 +85,8 @@ class Calibration:
         try:
             record = json.loads(path.read_text("utf-8"))
             loads = TrainedRange.from_json(record.pop("trained_range"))
-            return cls(**record, trained_range=loads)
+            others = tuple(map(tuple, record.pop("others", ())))
+            return cls(**record, trained_range=loads, others=others)
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise InputError(
                 f"{path} is not a calibration ({error}): calibrate the run again"
@@ -87,7 +105,7 @@ def calibrate(
     store: Store,
     samples: tuple[IntArray, IntArray],
     *,
-    coverage: float = 0.9,
+    coverages: Sequence[float] = COVERAGES,
     progress: Progress | None = None,
 ) -> Calibration:
     """Return the factors that cover the errors of samples the model was not fitted to.
@@ -103,9 +121,9 @@ def calibrate(
     samples : two (n, 2) integer arrays
         Training samples, for the range of loads, and calibration samples, which must
         be held out from training (the validation set; never the test set).
-    coverage : float
-        Wanted coverage; what few load paths cannot promise is lowered
-        (`conformal.conformal_quantile`).
+    coverages : sequence of float
+        Wanted coverage, the one of every prediction first; what few load paths cannot
+        promise is lowered (`conformal.conformal_quantile`).
     progress : callable, optional
         Called with (done, total, text) after every sample.
 
@@ -121,21 +139,13 @@ def calibrate(
             f"(got {len(train)} and {len(held_out)}): simulate more load paths"
         )
     name, measure = indicator
-    scores = np.empty((len(held_out), 2))
-    for i, (path, level) in enumerate(held_out.tolist()):
-        case = store.load_case(path, level)
-        predicted = answer(case)
-        error = np.linalg.norm(store.displacement(path)[level] - predicted, axis=1)
-        mean, largest = indicator_sizes(measure(case, predicted))
-        scores[i] = error.mean() / mean, error.max() / largest
-        if progress is not None:
-            progress(i + 1, len(held_out), "calibrating")
+    scores = error_scores(answer, measure, store, held_out, progress=progress)
     paths = held_out[:, 0]
-    mean_factor, reached = conformal_quantile(scores[:, 0], paths, coverage)
-    max_factor, _ = conformal_quantile(scores[:, 1], paths, coverage)
+    rows = [bounds(scores, paths, coverage) for coverage in coverages]
+    coverage, mean_factor, max_factor = rows[0]
     return Calibration(
         indicator=name,
-        coverage=reached,
+        coverage=coverage,
         mean_factor=mean_factor,
         max_factor=max_factor,
         n_paths=len(np.unique(paths)),
@@ -143,4 +153,35 @@ def calibrate(
         trained_range=TrainedRange.from_cases(
             store.load_case(path, level) for path, level in train.tolist()
         ),
+        others=tuple(rows[1:]),
     )
+
+
+def bounds(
+    scores: FloatArray, paths: IntArray, coverage: float
+) -> tuple[float, float, float]:
+    """Return the coverage reached and the factors of mean and largest error."""
+    mean_factor, reached = conformal_quantile(scores[:, 0], paths, coverage)
+    max_factor, _ = conformal_quantile(scores[:, 1], paths, coverage)
+    return reached, mean_factor, max_factor
+
+
+def error_scores(
+    answer: Answer,
+    measure: Indicator,
+    store: Store,
+    samples: IntArray,
+    *,
+    progress: Progress | None = None,
+) -> FloatArray:
+    """Return true error over indicator of samples, mean and largest, (n, 2)."""
+    scores = np.empty((len(samples), 2))
+    for i, (path, level) in enumerate(samples.tolist()):
+        case = store.load_case(path, level)
+        predicted = answer(case)
+        error = np.linalg.norm(store.displacement(path)[level] - predicted, axis=1)
+        mean, largest = indicator_sizes(measure(case, predicted))
+        scores[i] = error.mean() / mean, error.max() / largest
+        if progress is not None:
+            progress(i + 1, len(samples), "calibrating")
+    return scores

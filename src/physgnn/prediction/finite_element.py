@@ -22,7 +22,9 @@ class FiniteElementPredictor:
     """
 
     def __init__(self, body: Body) -> None:
-        self._approach = Approach(body.mesh, body.materials, body.fixed)
+        self._approach = Approach(
+            body.mesh, body.materials, body.fixed, element=body.element
+        )
 
     def __call__(
         self, load_case: LoadCase, *, tolerance_mm: float | None = None

@@ -79,6 +79,20 @@ class ErrorEstimate:
     coverage: float
 
 
+@dataclass(frozen=True)
+class LikelyError:
+    """How large the error of one prediction seems, from a few steps of the solver.
+
+    Attributes
+    ----------
+    mean_mm, max_mm : float
+        Mean and largest nodal Euclidean error, mm; docs/error_bars.md says how near.
+    """
+
+    mean_mm: float
+    max_mm: float
+
+
 @dataclass(frozen=True, eq=False)
 class Prediction:
     """The answer to one load case.
@@ -93,12 +107,15 @@ class Prediction:
         Its `remedy` says what to do.
     seconds : float
         Wall-clock time of the answer, the estimate included.
+    likely_error_mm : LikelyError or None
+        None unless the physical estimate was asked for.
     """
 
     displacement: FloatArray
     error_estimate_mm: ErrorEstimate | None
     status: PredictionStatus
     seconds: float
+    likely_error_mm: LikelyError | None = None
 
 
 class Predict(Protocol):

@@ -1,7 +1,7 @@
 """From a load case to a displacement with an error estimate and a status."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 
@@ -12,25 +12,40 @@ from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body, Model
-from physgnn.learning.lifted import LiftedModel, body_axes
+from physgnn.learning.interface import Body
 from physgnn.mechanics.approach import Approach
-from physgnn.mechanics.element import internal_force, make_elements
+from physgnn.mechanics.known_states import NearestKnown
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.relaxation import Relaxation
 from physgnn.mechanics.solution import Status
-from physgnn.prediction.calibration import Calibration, calibrate
+from physgnn.prediction.calibration import (
+    COVERAGES,
+    RELAXATION,
+    Calibration,
+    calibrate,
+)
 from physgnn.prediction.indicators import INDICATORS
+from physgnn.prediction.network import (
+    first_cases,
+    nearest_known,
+    network_answer,
+    quick_linear,
+)
 from physgnn.prediction.prediction import (
     Answer,
     ErrorEstimate,
     FloatArray,
+    LikelyError,
     Prediction,
     PredictionStatus,
 )
 from physgnn.progress import Progress
 
 CALIBRATION_FILE = "calibration.json"
-TINY_N = 1e-6  # leaves the rest state the nearest
+RELAXATION_FILE = "calibration-relaxation.json"
+ESTIMATES = ("quick", "physical")
+WRONG_BY = 2.0  # the physical estimate may be too small by such a factor
+MAX_RELAXED = 330  # validation samples; each costs about ten of the quick ones
 SAFETY = 10.0  # a repair's own estimate must be so much below the tolerance
 REPAIRS = {
     "guess": PredictionStatus.REPAIRED,
@@ -49,11 +64,12 @@ class Predictor:
         Mesh, materials and fixed points.
     answer : callable
         From a LoadCase to the displacement (n_points, 3), mm.
-    calibration : Calibration, optional
-        Gives the error estimate and the trained range; without it a prediction
-        carries no estimate, and any `tolerance_mm` calls for a repair.
-    known : (n_known, n_points, 3) array, optional
-        Stable equilibria that repairs may start from, mm.
+    calibration, relaxation : Calibration, optional
+        Give the error bounds, from a cheap indicator and from the physical estimate,
+        and the trained range. Without the first a prediction carries no bounds unless
+        asked for the physical estimate, and any `tolerance_mm` calls for a repair.
+    known : callable, optional
+        The stable equilibria that estimates and repairs may start from.
     linear : callable, optional
         A quick way to K₀⁻¹ f, if there is one, for the indicator.
     """
@@ -64,7 +80,8 @@ class Predictor:
         answer: Answer,
         *,
         calibration: Calibration | None = None,
-        known: FloatArray | None = None,
+        relaxation: Calibration | None = None,
+        known: NearestKnown | None = None,
         linear: Answer | None = None,
     ) -> None:
         self.body = body
@@ -72,6 +89,7 @@ class Predictor:
         self.linear = linear
         self.answer = answer
         self.calibration = calibration
+        self.relaxation = relaxation
         self._indicator = (
             INDICATORS[calibration.indicator](body, linear) if calibration else None
         )
@@ -87,25 +105,25 @@ class Predictor:
         """
         run = Path(run)
         model = Checkpoint.load(run).model
-        file = run / CALIBRATION_FILE
-        calibration = Calibration.read(file) if file.is_file() else None
         predictor = cls(
             model.body,
             network_answer(model, device=device),
-            calibration=calibration,
-            known=known_states(model),
+            calibration=_read_if_there(run / CALIBRATION_FILE),
+            relaxation=_read_if_there(run / RELAXATION_FILE),
+            known=nearest_known(model),
             linear=quick_linear(model),
         )
-        predictor.warm_up()
+        # First answers factorise, compile and allocate: have them over with.
+        for case in first_cases(model):
+            predictor(case)
         return predictor
 
-    def warm_up(self) -> None:
-        """Have first answers over with: they factorise, compile and allocate."""
-        for case in anchor_cases(self.body, self._known):
-            self(case)
-
     def __call__(
-        self, load_case: LoadCase, *, tolerance_mm: float | None = None
+        self,
+        load_case: LoadCase,
+        *,
+        tolerance_mm: float | None = None,
+        estimate: str = "quick",
     ) -> Prediction:
         """Return the displacement under a load case.
 
@@ -114,34 +132,68 @@ class Predictor:
         load_case : LoadCase
             Forces in N.
         tolerance_mm : float, optional
-            The largest nodal error wanted. Where the estimate is above it, or promises
-            nothing, the answer is taken to the finite-element equilibrium.
+            The largest nodal error wanted. Where the physical estimate, doubled, or the
+            bound is above it, or they promise nothing, the answer is taken to the
+            finite-element equilibrium.
+        estimate : str
+            Row of `ESTIMATES`: "quick" bounds the error within milliseconds,
+            "physical" says how large it seems, and bounds it more sharply, by a few
+            steps of the solver.
 
         Raises
         ------
         InputError
-            If the load does not fit the mesh, or the tolerance is not positive.
+            If the load does not fit the mesh, the tolerance is not positive or the
+            estimate unknown.
         """
         start = time.perf_counter()
         load_case.check_against(self.body.mesh, self.body.fixed)
         if tolerance_mm is not None and not tolerance_mm > 0:
             raise InputError(f"tolerance_mm must be > 0 (got {tolerance_mm})")
-        displacement = self.answer(load_case)
-        estimate = self._estimate(load_case, displacement)
-        status = self._status(load_case)
-        if tolerance_mm is not None and not (
-            status.usable and estimate and estimate.max_mm <= tolerance_mm
-        ):
-            return self._repaired(load_case, displacement, tolerance_mm, start)
+        if estimate not in ESTIMATES:
+            raise InputError(
+                f"estimate must be one of {', '.join(ESTIMATES)} (got {estimate})"
+            )
+        displacement, status = self.answer(load_case), self._status(load_case)
+        if estimate == "quick" and tolerance_mm is None:
+            bounds, likely = self._quick(load_case, displacement), None
+        else:
+            relaxed = self.relax(load_case, displacement)
+            bounds, likely = self._physical(load_case, displacement, relaxed.error)
+            if tolerance_mm is not None and not (
+                status.usable and _within(bounds, likely, tolerance_mm)
+            ):
+                displacement = relaxed.displacement
+                return self._repaired(load_case, displacement, tolerance_mm, start)
         seconds = time.perf_counter() - start
-        return Prediction(displacement, estimate, status, seconds)
+        return Prediction(displacement, bounds, status, seconds, likely)
 
-    def _estimate(
+    def error(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
+        """Return the physical estimate of an answer's error, (n_points, 3), mm."""
+        return self.relax(load_case, displacement).error
+
+    def relax(self, load_case: LoadCase, displacement: FloatArray) -> Relaxation:
+        """Take a few steps from an answer towards equilibrium: its error's estimate."""
+        if not np.isfinite(displacement).all():
+            nowhere = np.full_like(displacement, np.nan)
+            return Relaxation(nowhere, nowhere, nowhere)
+        return self._approach.relax(load_case, displacement)
+
+    def _quick(
         self, load_case: LoadCase, displacement: FloatArray
     ) -> ErrorEstimate | None:
         if self.calibration is None or self._indicator is None:
             return None
         return self.calibration.estimate(self._indicator(load_case, displacement))
+
+    def _physical(
+        self, load_case: LoadCase, displacement: FloatArray, error: FloatArray
+    ) -> tuple[ErrorEstimate | None, LikelyError]:
+        length = np.linalg.norm(error, axis=1)
+        likely = LikelyError(float(length.mean()), float(length.max()))
+        if self.relaxation is None:
+            return self._quick(load_case, displacement), likely
+        return self.relaxation.estimate(error), likely
 
     def _status(self, load_case: LoadCase) -> PredictionStatus:
         if self.calibration and self.calibration.trained_range.reasons_outside(
@@ -165,45 +217,27 @@ class Predictor:
     @cached_property
     def _approach(self) -> Approach:
         body = self.body
-        return Approach(body.mesh, body.materials, body.fixed, known=self._known)
+        return Approach(
+            body.mesh,
+            body.materials,
+            body.fixed,
+            known=self._known,
+            element=body.element,
+            threads=torch.get_num_threads(),
+        )
 
 
-def known_states(model: Model) -> FloatArray:
-    """Return the equilibria a model carries with it, (n_known, n_points, 3), mm."""
-    if not isinstance(model, LiftedModel):
-        return np.empty((0, model.body.mesh.n_points, 3))
-    states = model.anchor_states.cpu().numpy().astype(np.float64)
-    return states @ body_axes(model.body.mesh)
+def _within(
+    bounds: ErrorEstimate | None, likely: LikelyError, tolerance_mm: float
+) -> bool:
+    """Whether an error may be taken to be below a tolerance."""
+    if bounds is None:
+        return False
+    return max(bounds.max_mm, WRONG_BY * likely.max_mm) <= tolerance_mm
 
 
-def quick_linear(model: Model) -> Answer | None:
-    """Return the linear answer that a model keeps for itself, if it does."""
-    return model.linear if isinstance(model, LiftedModel) else None
-
-
-def anchor_cases(body: Body, known: FloatArray | None) -> Iterator[LoadCase]:
-    """Yield the load each known state is in equilibrium with, and a tiny one."""
-    elements = make_elements(body.mesh, body.materials)
-    free = np.setdiff1d(np.arange(body.mesh.n_points), body.fixed)
-    yield LoadCase(free[:1], np.full((1, 3), TINY_N))
-    for state in () if known is None else known:
-        force, inverted = internal_force(elements, state)
-        if inverted < 0 and force[free].any():
-            yield LoadCase(free, force[free])
-
-
-def network_answer(model: Model, *, device: str = "cpu") -> Answer:
-    """Return a model as a function from load case to displacement."""
-    model = model.to(device).eval()
-    graph = model.body.graph.to(device)
-
-    @torch.inference_mode()
-    def answer(load_case: LoadCase) -> FloatArray:
-        inputs = model.encode(load_case).to(device).unsqueeze(0)
-        displacement: FloatArray = model(inputs, graph)[0].cpu().numpy()
-        return displacement.astype(np.float64)
-
-    return answer
+def _read_if_there(file: Path) -> Calibration | None:
+    return Calibration.read(file) if file.is_file() else None
 
 
 def calibrate_run(
@@ -212,10 +246,10 @@ def calibrate_run(
     split: Split,
     *,
     indicator: str = "correction",
-    coverage: float = 0.9,
+    coverages: Sequence[float] = COVERAGES,
     progress: Progress | None = None,
 ) -> Calibration:
-    """Calibrate the model of a run on the validation set and store the result there.
+    """Calibrate the model of a run on the validation set and store the results there.
 
     Parameters
     ----------
@@ -224,20 +258,32 @@ def calibrate_run(
     store, split : Store, Split
         What it was trained on.
     indicator : str
-        Row of `indicators.INDICATORS`.
-    coverage : float
-        Wanted coverage of the error bounds.
+        Row of `indicators.INDICATORS`, for the quick bounds.
+    coverages : sequence of float
+        Wanted coverage of the error bounds, that of every prediction first.
     progress : callable, optional
         Called with (done, total, text) after every sample.
+
+    Returns
+    -------
+    Calibration
+        That of the quick bounds.
     """
     predictor = Predictor.load(run)
-    calibration = calibrate(
-        predictor.answer,
-        (indicator, INDICATORS[indicator](predictor.body, predictor.linear)),
-        store,
-        (split.train, split.validation),
-        coverage=coverage,
-        progress=progress,
-    )
-    calibration.write(Path(run) / CALIBRATION_FILE)
-    return calibration
+    quick = INDICATORS[indicator](predictor.body, predictor.linear)
+    every = -(-len(split.validation) // MAX_RELAXED)
+    made = {}
+    for file, name, measure, held_out in (
+        (CALIBRATION_FILE, indicator, quick, split.validation),
+        (RELAXATION_FILE, RELAXATION, predictor.error, split.validation[::every]),
+    ):
+        made[file] = calibrate(
+            predictor.answer,
+            (name, measure),
+            store,
+            (split.train, held_out),
+            coverages=coverages,
+            progress=progress,
+        )
+        made[file].write(Path(run) / file)
+    return made[CALIBRATION_FILE]

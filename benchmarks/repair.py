@@ -1,0 +1,144 @@
+"""Predictions taken to a tolerance, beside cold solves and other starts, held out.
+
+    python benchmarks/repair.py runs/lifted loads.zarr --log repair.jsonl --seconds 220
+
+Times are wall-clock with all cores: run it on a quiet machine. What the log has is not
+measured again, so it may be made in parts of ``--seconds`` each. Prints Markdown.
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import numpy as np
+
+from held_out import Log, Sample, lengths, spread
+from physgnn.dataset import Store, named_split
+from physgnn.learning.checkpoint import Checkpoint
+from physgnn.mechanics.loads import LoadCase
+from physgnn.prediction.finite_element import FiniteElementPredictor
+from physgnn.prediction.linear import linear_answer
+from physgnn.prediction.network import nearest_known
+from physgnn.prediction.prediction import Predict, Prediction
+from physgnn.prediction.predictor import Predictor
+from tables import machine, table
+
+GROUPS = ((1, 5), (6, 10), (11, 15), (16, 20), (21, 25), (26, 30), (1, 30))
+
+
+class Starts:
+    """What is compared: each answers a sample to the tolerance."""
+
+    def __init__(self, run: Path, store: Store, tolerance_mm: float) -> None:
+        self._store, self._tolerance_mm = store, tolerance_mm
+        model = Checkpoint.load(run).model
+        body, known = model.body, nearest_known(model)
+        linear = linear_answer(body)
+        self._before = np.zeros((body.mesh.n_points, 3))
+        self.predict: dict[str, Predict] = {
+            "network": Predictor.load(run),
+            "cold solve": FiniteElementPredictor(body),
+            "linear solution": Predictor(body, linear, known=known),
+            "zero": Predictor(body, self._zero, known=known),
+            "frame before": Predictor(body, lambda _: self._before, known=known),
+        }
+
+    def _zero(self, _: LoadCase) -> np.ndarray:
+        return np.zeros_like(self._before)
+
+    def __call__(self, what: str, sample: Sample) -> Prediction:
+        """Answer a sample from one of the starts."""
+        path, level = sample
+        self._before = self._zero(self._store.load_case(path, level))
+        if level:
+            self._before += self._store.displacement(path)[level - 1]
+        case = self._store.load_case(path, level)
+        return self.predict[what](case, tolerance_mm=self._tolerance_mm)
+
+
+def measure(starts: Starts, store: Store, samples, log: Log, seconds: float) -> None:
+    """Log what is missing, until the time is up."""
+    end = time.perf_counter() + seconds
+    for name, some in samples.items():
+        first = True
+        for path, level in log.missing(some, name):
+            if time.perf_counter() > end:
+                return
+            if first:  # compiles, allocates, analyses the pattern
+                starts(name, (path, level))
+                first = False
+            found = starts(name, (path, level))
+            error = lengths(store.displacement(path)[level] - found.displacement)
+            log.add(
+                path=path,
+                level=level + 1,
+                what=name,
+                error=error[1],
+                seconds=found.seconds,
+                status=found.status.name,
+            )
+
+
+def report(log: Log, tolerance_mm: float) -> None:
+    for name in dict.fromkeys(record["what"] for record in log.records):
+        print(f"\n### {name}\n")
+        head = (
+            "levels",
+            "samples",
+            f"error ≤ {tolerance_mm:g} mm",
+            "largest error, mm",
+        )
+        rows = []
+        for first, last in GROUPS:
+            group = [r for r in log.of(name) if first <= r["level"] <= last]
+            if not group:
+                continue
+            error = np.array([r["error"] for r in group])
+            seconds = np.quantile([r["seconds"] for r in group], (0.5, 0.95, 1.0))
+            rows.append(
+                (
+                    f"{first} to {last}",
+                    len(group),
+                    f"{100 * np.mean(error <= tolerance_mm):.1f} %",
+                    f"{error.max():.4f}",
+                    " / ".join(f"{s:.2f}" for s in seconds),
+                    statuses(group),
+                )
+            )
+        table((*head, "seconds, 50 / 95 / 100 %", "status"), rows)
+
+
+def statuses(records) -> str:
+    names, counts = np.unique([r["status"] for r in records], return_counts=True)
+    return ", ".join(
+        f"{n} {name.lower()}" for name, n in zip(names, counts, strict=True)
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("run", type=Path)
+    parser.add_argument("store", type=Path)
+    parser.add_argument("--log", type=Path, default=Path("repair.jsonl"))
+    parser.add_argument("--per-level", type=int, default=7)
+    parser.add_argument("--others-per-level", type=int, default=2)
+    parser.add_argument("--tolerance-mm", type=float, default=0.1)
+    parser.add_argument("--seconds", type=float, default=np.inf)
+    options = parser.parse_args()
+    print(machine())
+    store = Store.open(options.store)
+    test = named_split("path", store).test
+    log = Log(options.log)
+    starts = Starts(options.run, store, options.tolerance_mm)
+    many = spread(test, options.per_level)
+    few = spread(test, options.others_per_level)
+    samples = {
+        name: many if name in ("network", "cold solve") else few
+        for name in starts.predict
+    }
+    measure(starts, store, samples, log, options.seconds)
+    report(log, options.tolerance_mm)
+
+
+if __name__ == "__main__":
+    main()

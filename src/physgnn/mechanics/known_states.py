@@ -1,0 +1,64 @@
+"""Equilibria a body is known to have, and its answers there to a little more force."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.errors import InputError
+from physgnn.mechanics.assembly import Pattern, assemble_tangent
+from physgnn.mechanics.element import Elements
+from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class KnownState:
+    """A stable equilibrium under some load.
+
+    Attributes
+    ----------
+    displacement : (n_points, 3) array
+        mm.
+    respond : callable
+        From forces (n_points, 3) in N to K(u)⁻¹ f in mm.
+    """
+
+    displacement: FloatArray
+    respond: Callable[[FloatArray], FloatArray]
+
+    @classmethod
+    def of(
+        cls, elements: Elements, pattern: Pattern, displacement: FloatArray
+    ) -> "KnownState":
+        """Return a state that is factorised when its answer is first asked for."""
+        solver: LinearSolver | None = None
+
+        def respond(force: FloatArray) -> FloatArray:
+            nonlocal solver
+            solver = solver or _factorized(elements, pattern, displacement)
+            moved = np.zeros_like(force)
+            free = pattern.free
+            moved[free] = solver.solve(force[free].ravel()).reshape(-1, 3)
+            return moved
+
+        return cls(displacement, respond)
+
+
+# From a load's forces (n_points, 3), N, to the known state under the nearest load.
+NearestKnown = Callable[[FloatArray], KnownState]
+
+
+def _factorized(
+    elements: Elements, pattern: Pattern, displacement: FloatArray
+) -> LinearSolver:
+    data, inverted = assemble_tangent(elements, pattern, displacement)
+    solver = make_linear_solver(pattern, precision="single")
+    if inverted >= 0 or not solver.factorize(data):
+        raise InputError(
+            "a state known as an equilibrium is not stable: fix at least three points "
+            "that are not in line, or train again"
+        )
+    return solver
