@@ -41,38 +41,37 @@ class JumpingKnowledge(nn.Module):
     def forward(self, layers: Sequence[Tensor]) -> Tensor:
         """Return the layers' weighted mean, each (…, width)."""
         rows = [layer.flatten(0, -2) for layer in layers]
-        ahead, back = self._weights()
-        scores = self._scores(rows, ahead) + self._scores(rows[::-1], back).flip(1)
-        attention = torch.softmax(scores + self.score.bias, dim=1)
+        attention = torch.softmax(self._scores(rows) + self.score.bias, dim=1)
         mean = rows[0] * attention[:, :1]
         for k in range(1, len(rows)):
             mean = torch.addcmul(mean, rows[k], attention[:, k : k + 1])
         return mean.view(layers[0].shape)
 
-    def _scores(self, rows: Sequence[Tensor], weights: Weights) -> Tensor:
-        given = rows[0].dtype
-        if self.precision != torch.float32 and not torch.is_grad_enabled():
-            rows = [row.to(self.precision) for row in rows]
-            weights = Weights(*(weight.to(self.precision) for weight in weights))
-        return lstm_scores(rows, weights, keep=self.keep_states).to(given)
+    def _scores(self, rows: Sequence[Tensor]) -> Tensor:
+        """Return a score of every row and layer, without bias."""
+        if rows[0].device.type != "cpu":
+            hidden, _ = self.lstm(torch.stack(list(rows)))
+            return nn.functional.linear(hidden, self.score.weight)[..., 0].t()
+        ahead, back = self._weights()
+        keep = self.keep_states
+        return lstm_scores(rows, ahead, keep=keep) + lstm_scores(
+            rows[::-1], back, keep=keep
+        ).flip(1)
 
     def _weights(self) -> tuple[Weights, Weights]:
         """Return both directions' weights, gates in the order they are computed in."""
         given = dict(self.lstm.named_parameters())
-        ahead, back = self.score.weight[0].chunk(2)
+        precision = None if torch.is_grad_enabled() else self.precision
         directions = []
-        for suffix, score in (("l0", ahead), ("l0_reverse", back)):
+        for suffix, score in zip(
+            ("l0", "l0_reverse"), self.score.weight[0].chunk(2), strict=True
+        ):
+            from_both = (given[f"weight_{x}h_{suffix}"] for x in "ih")
             bias = given[f"bias_ih_{suffix}"] + given[f"bias_hh_{suffix}"]
-            from_input = given[f"weight_ih_{suffix}"]
-            from_hidden = given[f"weight_hh_{suffix}"]
-            directions.append(
-                Weights(
-                    _reordered(bias),
-                    _reordered(from_input),
-                    _reordered(from_hidden),
-                    score,
-                )
-            )
+            matrix = _reordered(torch.cat(list(from_both), dim=1))
+            if precision == torch.bfloat16:
+                matrix = matrix.to(precision)
+            directions.append(Weights(matrix, _reordered(bias), score))
         return directions[0], directions[1]
 
 

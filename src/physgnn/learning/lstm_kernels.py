@@ -1,0 +1,228 @@
+"""An LSTM between its matrix products: one pass over gates and states, compiled.
+
+Gates come in the order f, i, g, o, or without f at the first step, where there is
+nothing to forget. Products for g are doubled: tanh(z) = 2σ(2z) − 1, so that one sigmoid
+serves all. Numbers are float32 or float64; products and hidden states may also be
+bfloat16, seen as uint16.
+"""
+
+# ruff: noqa: ARG001, ARG005
+# Numba picks a variant for its arguments' types, and all must have the same arguments.
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, types
+from numba.extending import overload
+
+# Sums in any order, no care for what isn't finite: else nothing is vectorised.
+FAST = {"contract", "reassoc", "nsz", "arcp"}
+compiled = njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+
+
+class State(NamedTuple):
+    """Where an LSTM is after a step; arrays, one row a sequence.
+
+    Attributes
+    ----------
+    before, cell : (n, size) arrays
+        Cells a step earlier (not read if there's no f), and now.
+    inputs : (n, width + size) array
+        Its last columns take the hidden states.
+    """
+
+    before: Any
+    cell: Any
+    inputs: Any
+
+
+class Gradients(NamedTuple):
+    """What the way back carries; all but ``gates`` are added to or replaced in place.
+
+    Attributes
+    ----------
+    inputs : (n, width + size) array
+        Its last columns are those of the hidden states by the step after.
+    cell : (n, size) array
+        By the step after; then, for the step before.
+    gates : (n, 3·size or 4·size) array
+        Of the products: the result.
+    bias, score : arrays
+        Of the weights, added to.
+    """
+
+    inputs: Any
+    cell: Any
+    gates: Any
+    bias: Any
+    score: Any
+
+
+@compiled
+def step(gates, bias, score, state, scores):  # type: ignore[no-untyped-def]
+    """Make gates of products, in place; find cells, hidden states and their scores.
+
+    Parameters
+    ----------
+    gates : (n, 3·size or 4·size) array
+        In: products without bias. Out, unless bfloat16: gates.
+    bias : (3·size or 4·size,) array
+        Added to them.
+    score : (size,) array
+        Makes a score of a hidden state.
+    state : State
+        Its cells and hidden states are found.
+    scores : (n,) array
+        Out.
+    """
+    before, cell, inputs = state
+    n, m = cell.shape
+    scratch = np.empty(gates.shape[1], cell.dtype)
+    for row in range(n):
+        z = floats(gates[row], scratch)
+        for j in range(len(z)):
+            z[j] = sigmoid(z[j] + bias[j])
+        i, g, o = _last_three(z, m)
+        c, h = cell[row], inputs[row, inputs.shape[1] - m :]
+        for j in range(m):
+            c[j] = i[j] * twice(g[j]) - i[j]
+        if len(z) > 3 * m:
+            f, b = z[:m], before[row]
+            for j in range(m):
+                c[j] += f[j] * b[j]
+        total = cell.dtype.type(0)
+        for j in range(m):
+            hidden = o[j] * twice(sigmoid(twice(c[j]))) - o[j]
+            h[j] = rounded(hidden, h)
+            total += hidden * score[j]
+        scores[row] = total
+
+
+@compiled
+def step_back(gates, score, state, of_scores, of):  # type: ignore[no-untyped-def]
+    """Take gradients back through a step; find its hidden states again.
+
+    Parameters
+    ----------
+    gates : (n, 3·size or 4·size) array
+        As `step` left them.
+    score : (size,) array
+        As in `step`.
+    state : State
+        Its cells are read, its hidden states found.
+    of_scores : (n,) array
+        The scores' gradient.
+    of : Gradients
+        See there.
+    """
+    before, cell, inputs = state
+    n, m = cell.shape
+    one = cell.dtype.type(1)
+    tanh = np.empty(m, cell.dtype)
+    hidden = inputs.shape[1] - m
+    for row in range(n):
+        z, to, by_score = gates[row], of.gates[row], of_scores[row]
+        i, g, o = _last_three(z, m)
+        to_i, to_g, to_o = _last_three(to, m)
+        c, h = cell[row], inputs[row, hidden:]
+        to_c, to_h = of.cell[row], of.inputs[row, hidden:]
+        for j in range(m):
+            tanh[j] = twice(sigmoid(twice(c[j]))) - one
+        for j in range(m):
+            h[j] = o[j] * tanh[j]
+        for j in range(m):
+            of.score[j] += by_score * h[j]
+        for j in range(m):
+            to_h[j] += by_score * score[j]
+        for j in range(m):
+            to_c[j] += to_h[j] * o[j] * (one - tanh[j] * tanh[j])
+        for j in range(m):
+            to_o[j] = to_h[j] * h[j] * (one - o[j])
+        for j in range(m):
+            to_g[j] = twice(to_c[j] * i[j] * g[j] * (one - g[j]))
+        for j in range(m):
+            to_i[j] = to_c[j] * (twice(g[j]) - one) * i[j] * (one - i[j])
+        if len(z) > 3 * m:
+            f, b, to_f = z[:m], before[row], to[:m]
+            for j in range(m):
+                to_f[j] = to_c[j] * b[j] * f[j] * (one - f[j])
+            for j in range(m):
+                to_c[j] *= f[j]
+        for j in range(len(to)):
+            of.bias[j] += to[j]
+
+
+@njit(inline="always")
+def twice(x: Any) -> Any:
+    """Return 2x without the float64 that a literal 2 would make of float32."""
+    return x + x
+
+
+@compiled
+def _last_three(z: Any, m: Any) -> Any:
+    first = len(z) - 3 * m
+    return z[first : first + m], z[first + m : first + 2 * m], z[first + 2 * m :]
+
+
+def sigmoid(z: Any) -> Any:
+    """Return 1 / (1 + exp(−z)); compiled only."""
+
+
+def floats(values: Any, scratch: Any) -> Any:
+    """Return bfloat16 values in a scratch array, others as they are; compiled only."""
+
+
+def rounded(value: Any, where: Any) -> Any:
+    """Return a value as the array's elements are; compiled only."""
+
+
+@overload(sigmoid, inline="always")
+def _sigmoid(z):  # type: ignore[no-untyped-def]
+    if z == types.float32:
+        return lambda z: np.float32(1) / (np.float32(1) + _exp(-z))
+    return lambda z: 1 / (1 + np.exp(-z))
+
+
+@njit(inline="always")
+def _exp(x: Any) -> Any:
+    """Return exp in float32: 2ⁿ times a polynomial (Cephes expf); vectorisable."""
+    x = min(max(x, np.float32(-87)), np.float32(87))
+    n = np.floor(x * np.float32(1.44269504) + np.float32(0.5))
+    r = x - n * np.float32(0.693359375) + n * np.float32(2.12194440e-4)
+    p = np.float32(1.9875691500e-4)
+    p = p * r + np.float32(1.3981999507e-3)
+    p = p * r + np.float32(8.3334519073e-3)
+    p = p * r + np.float32(4.1665795894e-2)
+    p = p * r + np.float32(1.6666665459e-1)
+    p = p * r + np.float32(5.0000001201e-1)
+    p = p * r * r + r + np.float32(1)
+    return p * np.int32((np.int32(n) + np.int32(127)) * np.int32(1 << 23)).view(
+        np.float32
+    )
+
+
+@overload(floats, inline="always")
+def _floats(values, scratch):  # type: ignore[no-untyped-def]
+    if values.dtype != types.uint16:
+        return lambda values, scratch: values
+
+    def widened(values, scratch):  # type: ignore[no-untyped-def]
+        for j in range(len(values)):
+            scratch[j] = np.int32(np.int32(values[j]) << np.int32(16)).view(np.float32)
+        return scratch
+
+    return widened
+
+
+@overload(rounded, inline="always")
+def _rounded(value, where):  # type: ignore[no-untyped-def]
+    if where.dtype != types.uint16:
+        return lambda value, where: value
+
+    def narrowed(value, where):  # type: ignore[no-untyped-def]
+        """Round to the nearest bfloat16, ties to even."""
+        bits = np.float32(value).view(np.int32)
+        last = (bits >> np.int32(16)) & np.int32(1)
+        return np.uint16((bits + np.int32(0x7FFF) + last) >> np.int32(16))
+
+    return narrowed
