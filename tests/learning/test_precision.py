@@ -36,6 +36,12 @@ def test_training_stays_in_float32(network: PhysGNN, block: TetMesh) -> None:
     assert torch.equal(network(x, graph), exact)
 
 
+def test_refuses_a_network_it_would_not_change() -> None:
+    set_precision(torch.nn.Linear(2, 2), "float32")
+    with pytest.raises(InputError, match="this model has none"):
+        set_precision(torch.nn.Linear(2, 2), "bfloat16")
+
+
 def test_refuses_a_precision_there_is_not(network: PhysGNN) -> None:
     with pytest.raises(InputError, match="float32, bfloat16"):
         set_precision(network, "float8")

@@ -88,6 +88,9 @@ def predict(
     linear: Annotated[
         bool, typer.Option("--linear", help="Write the linear solution too.")
     ] = False,
+    precision: Annotated[
+        str, typer.Option(help="float32, or for PhysGNN bfloat16: quicker, rougher.")
+    ] = "float32",
 ) -> None:
     """Predict the displacement under one load case."""
     with working("predicting"):
@@ -99,6 +102,7 @@ def predict(
             image=image,
             tolerance_mm=tolerance_mm,
             linear=linear,
+            precision=precision,
         )
     largest = (answer.displacement**2).sum(axis=1).max() ** 0.5
     estimate = answer.error_estimate_mm

@@ -1,4 +1,4 @@
-"""How exactly the LSTMs compute when predicting: they are nine tenths of the work."""
+"""How exactly the LSTMs multiply when predicting: they are nine tenths of the work."""
 
 from collections.abc import Mapping
 
@@ -16,7 +16,7 @@ PRECISIONS: Mapping[str, torch.dtype] = {
 
 
 def set_precision(network: nn.Module, precision: str) -> None:
-    """Choose the precision of a network's LSTMs; all else stays float32.
+    """Choose the precision of a network's LSTMs' products; all else stays float32.
 
     They only say which layer matters, so rounding there shifts the answer little;
     bfloat16 pays where the processor multiplies it faster (AMX, AVX-512 BF16).
@@ -24,21 +24,27 @@ def set_precision(network: nn.Module, precision: str) -> None:
     Parameters
     ----------
     network : Module
-        Its :class:`JumpingKnowledge` parts are set; there may be none.
+        Its :class:`JumpingKnowledge` parts are set.
     precision : {"float32", "bfloat16"}
         A row of ``PRECISIONS``.
 
     Raises
     ------
     InputError
-        If there's no such precision.
+        If there's no such precision, or nothing that it would change.
     """
     if precision not in PRECISIONS:
         raise InputError(
             f"precision must be one of {', '.join(PRECISIONS)} (got {precision})"
         )
+    attentions = [m for m in network.modules() if isinstance(m, JumpingKnowledge)]
+    if precision != "float32" and not attentions:
+        raise InputError(
+            f"{precision} is for the LSTMs of PhysGNN, and this model has none: leave "
+            "precision at float32"
+        )
+    for attention in attentions:
+        attention.precision = PRECISIONS[precision]
     for module in network.modules():
-        if isinstance(module, JumpingKnowledge):
-            module.precision = PRECISIONS[precision]
-        elif isinstance(module, PhysGNN):
+        if isinstance(module, PhysGNN):
             module.pruning.forget()

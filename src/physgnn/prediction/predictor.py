@@ -13,6 +13,7 @@ from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.interface import Body
+from physgnn.learning.precision import set_precision
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.known_states import NearestKnown
 from physgnn.mechanics.loads import LoadCase
@@ -95,16 +96,29 @@ class Predictor:
         )
 
     @classmethod
-    def load(cls, run: str | Path, *, device: str = "cpu") -> "Predictor":
+    def load(
+        cls, run: str | Path, *, device: str = "cpu", precision: str = "float32"
+    ) -> "Predictor":
         """Load the model of a run folder, with its calibration if there is one.
+
+        Parameters
+        ----------
+        run : path
+            Folder of a trained model.
+        device : str
+            As torch names it.
+        precision : {"float32", "bfloat16"}
+            Of a PhysGNN's largest products; the processor should be made for it.
 
         Raises
         ------
         InputError
-            If the folder holds no checkpoint, or one of another version.
+            If the folder holds no checkpoint, or one of another version, or the model
+            has nothing that the precision would change.
         """
         run = Path(run)
         model = Checkpoint.load(run).model
+        set_precision(model, precision)
         predictor = cls(
             model.body,
             network_answer(model, device=device),

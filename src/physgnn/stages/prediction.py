@@ -16,6 +16,7 @@ def predict(
     image: str | Path | None = None,
     tolerance_mm: float | None = None,
     linear: bool = False,
+    precision: str = "float32",
 ) -> "Prediction":
     """Answer a load case from a JSON file and write the displacement.
 
@@ -35,6 +36,8 @@ def predict(
         See `physgnn.prediction.Predictor`.
     linear : bool
         Write the linear solution beside the prediction.
+    precision : {"float32", "bfloat16"}
+        See `physgnn.prediction.Predictor`.
 
     Raises
     ------
@@ -49,7 +52,7 @@ def predict(
 
     write = form_of(out, form).write
     grid = None if image is None else read_image(image).grid
-    predictor = Predictor.load(run)
+    predictor = Predictor.load(run, precision=precision)
     body = predictor.body
     case = read_load_case(load, body.mesh)
     prediction = predictor(case, tolerance_mm=tolerance_mm)
