@@ -57,9 +57,10 @@ def predict(model: LiftedModel, load_case: LoadCase) -> Tensor:
     return answer
 
 
-@pytest.fixture
-def model(block: TetMesh) -> LiftedModel:
-    return with_random_weights(LiftedModel(body_of(slab(block)), **OPTIONS))
+@pytest.fixture(params=[0, 3], ids=["local only", "with modes"])
+def model(block: TetMesh, request: pytest.FixtureRequest) -> LiftedModel:
+    options = {**OPTIONS, "modes": request.param}
+    return with_random_weights(LiftedModel(body_of(slab(block)), **options))
 
 
 @pytest.fixture
@@ -101,7 +102,8 @@ def test_turning_body_and_load_turns_the_answer(model: LiftedModel) -> None:
     turn *= np.sign(np.linalg.det(turn))
     points = mesh.points @ turn.T + 30.0
     turned = TetMesh(points, mesh.cells, mesh.region, mesh.point_sets)
-    other = LiftedModel(body_of(turned), **OPTIONS)
+    options = {**OPTIONS, "modes": len(model.modes)}
+    other = LiftedModel(body_of(turned), **options)
     other.load_state_dict(model.state_dict())
     case = load_of(mesh)
     answer = predict(other.eval(), LoadCase(case.nodes, case.forces @ turn.T))
@@ -119,7 +121,8 @@ def test_node_order_does_not_matter(model: LiftedModel) -> None:
         mesh.region,
         {name: rank[ids] for name, ids in mesh.point_sets.items()},
     )
-    other = LiftedModel(body_of(shuffled), **OPTIONS)
+    options = {**OPTIONS, "modes": len(model.modes)}
+    other = LiftedModel(body_of(shuffled), **options)
     state = model.state_dict()
     for name in ("anchor_states", "modes"):
         state[name] = state[name][:, order]

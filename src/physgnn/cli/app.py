@@ -183,7 +183,9 @@ def simulate(
 
 @app.command()
 def train(
-    store: Annotated[Path, typer.Argument(help="Dataset made by simulate.")],
+    store: Annotated[
+        list[Path], typer.Argument(help="Dataset made by simulate, or several.")
+    ],
     out: Out,
     config: Annotated[
         Path | None, typer.Option(help="TOML with training settings.")
@@ -192,7 +194,13 @@ def train(
     configuration: Annotated[
         int | None, typer.Option(help="1 to 12, of the published network.")
     ] = None,
-    split: Annotated[str, typer.Option(help="path, node or published.")] = "path",
+    split: Annotated[
+        str | None,
+        typer.Option(help="path (default), node or published; mesh of several."),
+    ] = None,
+    start: Annotated[
+        Path | None, typer.Option("--from", help="Run to begin with the weights of.")
+    ] = None,
     loss: Annotated[str | None, typer.Option(help="Loss.")] = None,
     batch_size: Annotated[int | None, typer.Option(help="Samples a step.")] = None,
     learning_rate: Annotated[float | None, typer.Option(help="At the start.")] = None,
@@ -242,6 +250,7 @@ def train(
             devices=devices,
             num_nodes=num_nodes,
             resume=resume,
+            start=start,
         )
     result = checkpoint.record["training"]
     print(
@@ -260,6 +269,7 @@ app.command()(experiments.published)
 app.command()(experiments.reproduce)
 app.command()(experiments.ablate)
 app.command()(patients.anatomies)
+app.command()(patients.adapt)
 app.command()(images.warp)
 app.command()(images.register)
 app.command()(view)

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
-from torch.utils.data import DataLoader, Dataset, Sampler
+from torch.utils.data import Dataset, Sampler
 
 from physgnn.dataset.store import Store
 from physgnn.learning.interface import Model
@@ -102,19 +102,3 @@ class EpochOrder(Sampler[list[int]]):
         for i in range(len(self)):
             batch = order[i * self.batch_size : (i + 1) * self.batch_size]
             yield batch[self.share.rank :: self.share.of]
-
-
-def training_batches(
-    samples: Samples, batch_size: int, seed: int, share: Share = ALONE
-) -> DataLoader[Batch]:
-    """Return shuffled batches, another order every epoch."""
-    order = EpochOrder(len(samples), batch_size, seed, share)
-    return DataLoader(samples, batch_sampler=order)
-
-
-def validation_batches(
-    samples: Samples, batch_size: int, share: Share = ALONE
-) -> DataLoader[Batch]:
-    """Return this process's share of the samples in order."""
-    mine = range(len(samples))[share.rank :: share.of]
-    return DataLoader(samples, batch_size=batch_size, sampler=mine)

@@ -29,6 +29,7 @@ one row to :data:`physgnn.learning.models.MODELS`.
   the same one, and returns displacement in mm (not a correction to it).
 """
 
+import copy
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -121,6 +122,27 @@ class Model(nn.Module, ABC):
     @abstractmethod
     def encode(self, load_case: LoadCase) -> Tensor:
         """Return the network's inputs for a load case, (n_points, n_inputs) float32."""
+
+    def share_weights(self, other: "Model") -> None:  # noqa: ARG002
+        """Take another body's model's weights for one's own, in training too.
+
+        Raises
+        ------
+        InputError
+            If what the model learns belongs to one body.
+        """
+        raise InputError(
+            f"{type(self).__name__} learns from one body: give one dataset, or train "
+            "model lifted with modes = 0"
+        )
+
+    def own_weights(self) -> None:
+        """Copy shared weights, to train them without changing the other model's."""
+        for name, part in self.named_children():
+            setattr(self, name, copy.deepcopy(part).train())
+
+    def release(self) -> None:
+        """Free what encoding keeps in memory; it's made again when needed."""
 
     def spare_memory(self, spare: bool) -> None:
         """Train with less memory, if more slowly; not if there's no way to."""

@@ -110,17 +110,44 @@ class LiftedModel(Model):
 
     def fit(self, store: Store, samples: IntArray) -> None:
         """Find the anchors, the points near loads, and the modes."""
-        axes = self._axes64
-        forces = sample_forces(store, samples)
-        loaded = np.flatnonzero(forces.any(axis=(0, 2)))
-        self.near.copy_(torch.from_numpy(points_within(store.mesh, loaded, self.reach)))
-        states = mean_load_anchors(
-            self._turned, forces @ axes.T, len(self.anchor_states)
-        )
-        self.anchor_states.copy_(torch.from_numpy(states))
-        self._forget()
+        self.expect(sample_forces(store, samples))
         if len(self.modes):
             self._fit_modes(store, samples)
+
+    def expect(self, forces: FloatArray) -> None:
+        """Find the anchors and the points near loads, from loads without answers.
+
+        Parameters
+        ----------
+        forces : (n_loads, n_points, 3) array
+            Loads like those to come, each at its strongest, N.
+        """
+        loaded = np.flatnonzero(forces.any(axis=(0, 2)))
+        near = points_within(self.body.mesh, loaded, self.reach)
+        self.near.copy_(torch.from_numpy(near))
+        n_anchors = len(self.anchor_states)
+        states = mean_load_anchors(self._turned, forces @ self._axes64.T, n_anchors)
+        self.anchor_states.copy_(torch.from_numpy(states))
+        self._forget()
+
+    def share_weights(self, other: Model) -> None:
+        """Take another body's model's weights for one's own, in training too."""
+        if not isinstance(other, LiftedModel) or len(self.modes) or len(other.modes):
+            raise InputError(
+                "only the local part of a lifted network may serve several bodies: "
+                "train model lifted with modes = 0"
+            )
+        shapes = [
+            [tuple(weight.shape) for weight in model.local.parameters()]
+            for model in (self, other)
+        ]
+        if shapes[0] != shapes[1]:
+            raise InputError("width and layers must be those of the other network")
+        self.local = other.local
+
+    def release(self) -> None:
+        """Free the factors."""
+        self._perturbation = None
 
     def _fit_modes(self, store: Store, samples: IntArray) -> None:
         every = max(len(samples) // MAX_SNAPSHOTS, 1)

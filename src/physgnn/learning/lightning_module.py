@@ -1,14 +1,16 @@
 """A model as Lightning trains it: the loss, the gradient in parts, the optimiser."""
 
+from collections.abc import Sequence
+
 import torch
 from lightning.pytorch import LightningModule
 from torch import Tensor
 
 from physgnn.errors import InputError
-from physgnn.learning.batches import Batch
 from physgnn.learning.dropout import seed_dropout
 from physgnn.learning.interface import Model
 from physgnn.learning.losses import LOSSES
+from physgnn.learning.members import MemberBatch as Batch
 from physgnn.learning.training_config import TrainingConfig
 
 VALIDATION_LOSS = "validation_loss"
@@ -20,26 +22,31 @@ class TrainingModule(LightningModule):
 
     Parameters
     ----------
-    model : Model
-        What to train.
+    models : sequence of Model
+        What to train: one a body, all of the same weights.
     config : TrainingConfig
         How.
     at_once : int
         Samples to compute at once; gradients are those of the whole batch, to rounding.
     """
 
-    def __init__(self, model: Model, config: TrainingConfig, at_once: int) -> None:
+    def __init__(
+        self, models: Sequence[Model], config: TrainingConfig, at_once: int
+    ) -> None:
         super().__init__()
         self.automatic_optimization = False  # Lightning can't add up unequal parts
-        self.model = model
+        self.model = models[0]
+        self.members = tuple(models)
         self.config = config
         self.at_once = at_once
         self.loss = LOSSES[config.loss]
-        self.graph = model.body.graph
+        self.graphs = tuple(model.body.graph for model in models)
 
     def on_fit_start(self) -> None:
-        """Move the graph to where the weights are."""
-        self.graph = self.model.body.graph.to(self.device)
+        """Move the graphs, and what belongs to one body, to where the weights are."""
+        self.graphs = tuple(graph.to(self.device) for graph in self.graphs)
+        for model in self.members:
+            model.to(self.device)
 
     def training_step(self, batch: Batch, _: int) -> Tensor:
         """Step; return the batch's loss; InputError if it isn't finite."""
@@ -94,8 +101,10 @@ class TrainingModule(LightningModule):
             )
 
     def _loss(self, batch: Batch, part: slice = slice(None)) -> Tensor:
-        inputs, true = batch
-        return self.loss(self.model(inputs[part], self.graph), true[part])
+        inputs, true, member = batch
+        k = int(member[0])
+        predicted = self.members[k](inputs[part], self.graphs[k])
+        return self.loss(predicted, true[part])
 
     def _log(self, name: str, loss: Tensor, batch: Batch) -> None:
         size = len(batch[0])

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from physgnn.dataset.split import Split
-from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import RECORD
+from physgnn.learning.members import Splits, Stores, members_of
 from physgnn.learning.models import resolved_options
 from physgnn.learning.training_config import TrainingConfig
 
@@ -21,21 +21,49 @@ VERSIONED = ("physgnn", "torch", "lightning", "numpy")
 EXTENDABLE = {"max_epochs", "max_minutes", "memory_mb"}
 
 
-def new_record(store: Store, split: Split, config: TrainingConfig) -> dict[str, Any]:
-    """Return what is known before training."""
+def new_record(
+    stores: Stores, splits: Splits, config: TrainingConfig
+) -> dict[str, Any]:
+    """Return what is known before training, on one dataset or on several."""
+    members = members_of(stores, splits)
     options = resolved_options(config.model, config.options)
+    hashes = [member.store.content_hash() for member in members]
+    split = members[0].split
     return {
         "config": asdict(replace(config, options=options)),
         "versions": {name: version(name) for name in VERSIONED},
-        "data": {"path": str(store.path), "hash": store.content_hash()},
+        "data": {
+            "path": str(members[0].store.path),
+            "paths": [str(member.store.path) for member in members],
+            "hash": hashes[0] if len(hashes) == 1 else _digest("".join(hashes)),
+            "meshes": [member.store.mesh.content_hash for member in members],
+        },
         "split": {
             "name": split.name,
-            "train": len(split.train),
-            "validation": len(split.validation),
-            "test": len(split.test),
-            "hash": _digest(split),
+            "train": sum(len(member.split.train) for member in members),
+            "validation": sum(len(member.split.validation) for member in members),
+            "test": sum(len(member.split.test) for member in members),
+            "hash": _split_hash(split)
+            if len(members) == 1
+            else _digest("".join(_split_hash(member.split) for member in members)),
         },
     }
+
+
+def with_start(record: Mapping[str, Any], start: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the record of a run that begins with the weights of another.
+
+    The meshes that one was trained on count as its own.
+    """
+    data = record["data"]
+    meshes = dict.fromkeys([*data["meshes"], *trained_meshes(start)])
+    earlier = {name: start[name] for name in ("data", "training")}
+    return {**record, "data": {**data, "meshes": list(meshes)}, "start": earlier}
+
+
+def trained_meshes(record: Mapping[str, Any]) -> list[str]:
+    """Return the hashes of the meshes a run was trained on."""
+    return list(record["data"].get("meshes", [record["mesh_hash"]]))
 
 
 def with_result(
@@ -70,7 +98,11 @@ def check_same_run(run: Path, record: Mapping[str, Any]) -> None:
             )
 
 
-def _digest(split: Split) -> str:
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _split_hash(split: Split) -> str:
     parts = (split.train, split.validation, split.test)
     rows = np.concatenate([np.append(part, [[-1, -1]], axis=0) for part in parts])
     return hashlib.sha256(rows.astype("<i8").tobytes()).hexdigest()

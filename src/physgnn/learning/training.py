@@ -2,8 +2,8 @@
 
 import logging
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,27 +13,35 @@ from lightning.pytorch import Callback, Trainer
 from lightning.pytorch.callbacks import EarlyStopping, ModelCheckpoint
 from lightning.pytorch.loggers import TensorBoardLogger
 from torch import Tensor
-from torch.utils.data import default_collate
+from torch.utils.data import DataLoader, default_collate
 
-from physgnn.dataset.split import Split
-from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.learning.batches import (
-    Samples,
-    Share,
-    training_batches,
-    validation_batches,
-)
+from physgnn.learning.batches import Samples, Share
 from physgnn.learning.budget import Budget
 from physgnn.learning.callbacks import KeepBest, MetricsFile, Report
 from physgnn.learning.checkpoint import RECORD, Checkpoint
-from physgnn.learning.interface import Body
+from physgnn.learning.interface import Model
 from physgnn.learning.lightning_module import VALIDATION_LOSS, TrainingModule
 from physgnn.learning.losses import LOSSES
+from physgnn.learning.members import (
+    Member,
+    MemberBatch,
+    MixedOrder,
+    Splits,
+    Stores,
+    Together,
+    build_models,
+    in_order,
+    members_of,
+)
 from physgnn.learning.memory import samples_at_once
 from physgnn.learning.model_card import write_model_card
-from physgnn.learning.models import build_model
-from physgnn.learning.run_record import check_same_run, new_record, with_result
+from physgnn.learning.run_record import (
+    check_same_run,
+    new_record,
+    with_result,
+    with_start,
+)
 from physgnn.learning.sample_cache import SampleCache
 from physgnn.learning.schedules import SCHEDULES
 from physgnn.learning.training_config import TrainingConfig
@@ -44,8 +52,8 @@ METRICS = "metrics.csv"
 
 
 def train(
-    store: Store,
-    split: Split,
+    store: Stores,
+    split: Splits,
     config: TrainingConfig,
     run: str | Path,
     *,
@@ -54,15 +62,17 @@ def train(
     devices: int = 1,
     num_nodes: int = 1,
     resume: bool = False,
+    start: Checkpoint | None = None,
 ) -> Checkpoint:
     """Train a model; the weights with the lowest validation loss are kept.
 
     Parameters
     ----------
-    store : Store
-        The dataset, read lazily.
-    split : Split
-        Its training and validation samples are used, never its test samples.
+    store : Store or sequence of Store
+        The dataset, read lazily; or several, each of another body, for a model that
+        can learn from many. The run is then that of the first body.
+    split : Split or sequence of Split
+        One a dataset. Training and validation samples are used, never test samples.
     config : TrainingConfig
         How to train.
     run : path
@@ -79,6 +89,9 @@ def train(
         Continue from the last finished epoch; to rounding, the result is that of a
         run never interrupted.
 
+    start : Checkpoint, optional
+        Begin with its weights, of whatever body; both models must be able to share.
+
     Returns
     -------
     Checkpoint
@@ -91,20 +104,29 @@ def train(
         loss becomes NaN, or a sample needs more memory than allowed.
     """
     run = Path(run)
+    members = members_of(store, split)
     record = new_record(store, split, config)
-    if resume:
-        check_same_run(run, record)
-    elif (run / RECORD).exists() or (run / LAST).exists():
-        raise InputError(f"{run} holds a run already: resume it, or name another")
-    run.mkdir(parents=True, exist_ok=True)
-    with _quiet(), torch.random.fork_rng(devices=[]), SampleCache(run) as cache:
+    if start is not None:
+        record = with_start(record, start.record)
+    _prepare(run, record, resume=resume)
+    with ExitStack() as stack:
+        stack.enter_context(_quiet())
+        stack.enter_context(torch.random.fork_rng(devices=[]))
         torch.manual_seed(config.seed)
-        model = build_model(config.model, Body.of(store), **config.options)
-        model.fit(store, split.train)
+        models = build_models(members, config, start.model if start else None)
+        caches = [stack.enter_context(SampleCache(run)) for _ in models]
+        samples, held_out = (
+            [
+                Samples(member.store, getattr(member.split, part), model, cache)
+                for member, model, cache in zip(members, models, caches, strict=True)
+            ]
+            for part in ("train", "validation")
+        )
+        _fit(members, models, samples, held_out)
         budget = Budget(config)
         best = KeepBest(
             lambda loss: Checkpoint(
-                model, with_result(record, loss=loss, minutes=budget.minutes)
+                models[0], with_result(record, loss=loss, minutes=budget.minutes)
             ).save(run)
         )
         schedule = SCHEDULES[config.schedule](config, budget)
@@ -118,13 +140,11 @@ def train(
             num_nodes=num_nodes,
         )
         share = Share(trainer.global_rank, trainer.world_size)
-        samples = Samples(store, split.train, model, cache)
-        held_out = Samples(store, split.validation, model, cache)
         at_once = _at_once(samples, config)
         trainer.fit(
-            TrainingModule(model, config, at_once),
-            training_batches(samples, config.batch_size, config.seed, share),
-            validation_batches(held_out, at_once, share),
+            TrainingModule(models, config, at_once),
+            _training_batches(samples, config, share),
+            _validation_batches(held_out, at_once, share),
             ckpt_path=run / LAST if resume else None,
             weights_only=True,
         )
@@ -136,13 +156,61 @@ def train(
     return Checkpoint.load(run)
 
 
+def _prepare(run: Path, record: dict[str, Any], *, resume: bool) -> None:
+    """Make the run's folder; InputError if what it holds doesn't fit."""
+    if resume:
+        check_same_run(run, record)
+    elif (run / RECORD).exists() or (run / LAST).exists():
+        raise InputError(f"{run} holds a run already: resume it, or name another")
+    run.mkdir(parents=True, exist_ok=True)
+
+
+def _fit(
+    members: Sequence[Member],
+    models: Sequence[Model],
+    *parts: Sequence[Samples],
+) -> None:
+    """Fit each model's statistics; of several, encode the samples body by body.
+
+    What encoding keeps in memory is then that of one body at a time.
+    """
+    for k, (member, model) in enumerate(zip(members, models, strict=True)):
+        used = [member.split.train, member.split.validation]
+        model.fit(member.store, used[0] if len(used[0]) else used[1])
+        if len(models) > 1:
+            for samples in (part[k] for part in parts):
+                for i in range(len(samples)):
+                    samples[i]
+            model.release()
+
+
+def _training_batches(
+    parts: Sequence[Samples], config: TrainingConfig, share: Share
+) -> DataLoader[MemberBatch]:
+    """Return shuffled batches, another order every epoch."""
+    sizes = [len(part) for part in parts]
+    order = MixedOrder(sizes, config.batch_size, config.seed, share)
+    return DataLoader(Together(parts), batch_sampler=order)
+
+
+def _validation_batches(
+    parts: Sequence[Samples], batch_size: int, share: Share
+) -> DataLoader[MemberBatch]:
+    """Return this process's share of the samples in order."""
+    order = in_order([len(part) for part in parts], batch_size, share)
+    return DataLoader(Together(parts), batch_sampler=order)
+
+
 def is_first_process() -> bool:
     """Return whether this is the one process, or the first of those that train."""
     return not (dist.is_available() and dist.is_initialized()) or dist.get_rank() == 0
 
 
-def _at_once(samples: Samples, config: TrainingConfig) -> int:
-    """Return how many samples to compute at once; the first samples serve as a try."""
+def _at_once(parts: Sequence[Samples], config: TrainingConfig) -> int:
+    """Return how many samples to compute at once; the first of the largest body try."""
+    samples = max(
+        (part for part in parts if len(part)), key=lambda p: p.model.body.mesh.n_points
+    )
     model, loss = samples.model, LOSSES[config.loss]
 
     def forward(n_samples: int) -> Tensor:

@@ -1,0 +1,44 @@
+"""A trained network on a body it never saw: equilibria found there, nothing learnt."""
+
+from physgnn.errors import InputError
+from physgnn.learning.anchors import FloatArray
+from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.interface import Body
+from physgnn.learning.lifted import LiftedModel
+from physgnn.learning.models import build_model
+from physgnn.learning.run_record import trained_meshes
+
+OF_THE_BODY = ("mesh_hash", "materials", "format_version")  # written anew by save
+
+
+def adapt(checkpoint: Checkpoint, body: Body, forces: FloatArray) -> Checkpoint:
+    """Return a trained network for another body.
+
+    Parameters
+    ----------
+    checkpoint : Checkpoint
+        Of a lifted network without modes: all it learnt is local and physical.
+    body : Body
+        Any.
+    forces : (n_loads, n_points, 3) array
+        Loads like those to come on it, each at its strongest, N; the equilibria to
+        expand about are found under their mean.
+
+    Raises
+    ------
+    InputError
+        If the network belongs to its body.
+    """
+    config = checkpoint.record["config"]
+    if not isinstance(checkpoint.model, LiftedModel):
+        raise InputError(
+            f"a network of model {config['model']} belongs to its mesh: train model "
+            "lifted with modes = 0"
+        )
+    model = build_model(config["model"], body, **config["options"])
+    assert isinstance(model, LiftedModel)
+    model.share_weights(checkpoint.model)
+    model.expect(forces)
+    record = {k: v for k, v in checkpoint.record.items() if k not in OF_THE_BODY}
+    data = {**record["data"], "meshes": trained_meshes(checkpoint.record)}
+    return Checkpoint(model.eval(), {**record, "data": data})
