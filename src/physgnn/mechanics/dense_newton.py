@@ -1,0 +1,99 @@
+"""The minimum of an energy of a few hundred unknowns, by Newton's method.
+
+Each step goes no further than energy falls, and a step that inverts a cell raises the
+energy to infinity: what is found is a stable equilibrium with every det F > 0.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+
+FloatArray = NDArray[np.float64]
+
+MAX_STEPS = 40
+MAX_HALVINGS = 30
+ENOUGH = 1e-4  # of the fall in energy that the slope promises (Armijo's rule)
+ROUNDING = 1e-12  # of the energy, must not turn down the last, tiny steps
+TOLERANCE_MM = 1e-4
+
+
+class SmallBody(Protocol):
+    """What minimising needs to know of an energy."""
+
+    @property
+    def stable(self) -> FloatArray:
+        """A positive definite stiffness, added where that of a state is not."""
+
+    def energy(self, x: FloatArray) -> float:
+        """Return the strain energy, N mm; infinite where a cell is inverted."""
+
+    def force(self, x: FloatArray) -> FloatArray:
+        """Return its gradient, N."""
+
+    def stiffness(self, x: FloatArray) -> FloatArray:
+        """Return its second derivative, N/mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """Where the descent ended.
+
+    Attributes
+    ----------
+    x : (n,) array
+        The unknowns.
+    converged : bool
+        Whether the last step was whole and shorter than `TOLERANCE_MM`.
+    steps : int
+        Newton steps taken.
+    """
+
+    x: FloatArray
+    converged: bool
+    steps: int
+
+
+def minimise(body: SmallBody, load: FloatArray, start: FloatArray) -> Minimum:
+    """Descend in energy(x) − load·x.
+
+    Parameters
+    ----------
+    body : SmallBody
+    load : (n,) array
+        Dead force on the unknowns, N.
+    start : (n,) array
+        No cell may be inverted there.
+    """
+    x, energy = start, body.energy(start) - float(load @ start)
+    for steps in range(1, MAX_STEPS + 1):
+        residual = load - body.force(x)
+        step = _downwards(body, x, residual)
+        scale, slope = 1.0, float(step @ residual)
+        for _ in range(MAX_HALVINGS):
+            moved = x + scale * step
+            lower = body.energy(moved) - float(load @ moved)
+            if lower <= energy - ENOUGH * scale * slope + ROUNDING * abs(energy):
+                break
+            scale /= 2
+        else:
+            return Minimum(x, False, steps)
+        x, energy = moved, lower
+        if scale == 1.0 and np.abs(step).max() < TOLERANCE_MM:
+            return Minimum(x, True, steps)
+    return Minimum(x, False, MAX_STEPS)
+
+
+def _downwards(body: SmallBody, x: FloatArray, residual: FloatArray) -> FloatArray:
+    """Return Newton's step, or where K is indefinite one that leads down too."""
+    K, share = body.stiffness(x), 0.0
+    while True:
+        try:
+            factor = cho_factor(K + share * body.stable, check_finite=False)
+        except LinAlgError:
+            share = max(4 * share, 1e-3)
+            continue
+        step: FloatArray = cho_solve(factor, residual, check_finite=False)
+        return step
