@@ -115,7 +115,7 @@ PRESETS: Mapping[str, Preset] = {
     # Loads as strong as the second published set's, on whatever the mesh lays open.
     "family": Preset(
         BRAIN_AND_TUMOUR,
-        partial(traction_paths, traction_pa=2200.0, n_levels=10, n_paths=12),
+        partial(traction_paths, traction_pa=2200.0, n_levels=10, n_paths=6),
     ),
 }
 """The published datasets, the demonstration, and synthetic patients.
