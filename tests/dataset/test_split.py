@@ -131,5 +131,6 @@ def test_split_checks_itself() -> None:
         Split("mine", a, b, a)
     with pytest.raises(InputError, match="needs test samples"):
         Split("mine", a, b, np.empty((0, 2)))
+    Split("mesh", a, b[:0], b[:0])
     with pytest.raises(InputError, match=r"shape \(n, 2\)"):
         Split("mine", a, b, np.array([1, 2]))

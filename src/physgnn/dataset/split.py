@@ -22,6 +22,7 @@ from physgnn.errors import InputError
 IntArray = NDArray[np.int64]
 
 TRAIN, VALIDATION, TEST = 0.7, 0.2, 0.1  # as published
+MESH = "mesh"
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +32,8 @@ class Split:
     Parameters
     ----------
     name : str
-        How it was made.
+        How it was made; one named ``mesh`` takes or holds out a whole store, so that
+        its other parts are empty.
     train, validation, test : (n, 2) integer arrays
         (path, level) of every sample; no sample is in two of them.
 
@@ -49,7 +51,8 @@ class Split:
     def __post_init__(self) -> None:
         for part in ("train", "validation", "test"):
             samples = np.asarray(getattr(self, part), dtype=np.int64)
-            if samples.ndim != 2 or samples.shape[1] != 2 or len(samples) == 0:
+            may_be_empty = self.name == MESH
+            if samples.shape != (len(samples), 2) or not (len(samples) or may_be_empty):
                 raise InputError(
                     f"split '{self.name}' needs {part} samples of shape (n, 2), n ≥ 1 "
                     f"(got {samples.shape}): simulate more load paths"

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.dataset.split import SPLITS, Split, named_split
+from physgnn.dataset.split import MESH, SPLITS, Split, named_split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import check_mesh
+from physgnn.learning.run_record import trained_meshes
 
 IntArray = NDArray[np.int64]
 
-MESH = "mesh"  # everything on a mesh that no run was trained on
 NONE = np.empty((0, 2), dtype=np.int64)
 
 
@@ -52,7 +52,7 @@ class HeldOut:
 
     @classmethod
     def of(cls, store: Store, split: str | Split) -> "HeldOut":
-        """Return the test samples of a split, or of ``mesh`` the whole store.
+        """Return the test samples of a split; of ``mesh``, all there are.
 
         Raises
         ------
@@ -100,8 +100,3 @@ def check_unseen(record: Mapping[str, Any], held_out: HeldOut, run: Path) -> Non
             f"{len(held_out.test)} test samples of split '{held_out.split}': evaluate "
             f"it with --split {trained.name}, or train with --split {held_out.split}"
         )
-
-
-def trained_meshes(record: Mapping[str, Any]) -> set[str]:
-    """Return the hashes of all meshes a run was trained on."""
-    return {record["mesh_hash"], *record["data"].get("meshes", ())}
