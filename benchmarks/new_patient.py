@@ -1,0 +1,82 @@
+"""A patient never seen: how a family's network does, beside all there is else.
+
+    python benchmarks/new_patient.py family-run/ loads.zarr --runs tuned/ own/
+
+The family's network is adapted to the store's body, with the loads of its training
+paths and none of its answers. All are tested on the test paths of split ``path``: the
+linear solution, the expansion the network starts from, the network, and other runs
+trained on that split.
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from physgnn.dataset import Store, named_split
+from physgnn.learning.adaptation import adapt
+from physgnn.learning.anchors import sample_forces
+from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.interface import Body
+from physgnn.prediction import linear_answer
+from physgnn.prediction.network import network_answer
+from physgnn.prediction.prediction import Answer
+from tables import machine, table
+
+
+def errors(answer: Answer, store: Store, samples: np.ndarray) -> np.ndarray:
+    """Return every point's error in every sample, (n_samples, n_points), mm."""
+    found = []
+    for path, level in samples.tolist():
+        truth = store.displacement(path)[level]
+        predicted = answer(store.load_case(path, level))
+        found.append(np.linalg.norm(predicted - truth, axis=1))
+    return np.stack(found)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("run", type=Path, help="trained on a family, modes = 0")
+    parser.add_argument("store", type=Path)
+    parser.add_argument("--runs", type=Path, nargs="*", default=[])
+    parser.add_argument("--every", type=int, default=5, help="levels: every so many")
+    given = parser.parse_args()
+    store = Store.open(given.store)
+    split = named_split("path", store)
+    samples = split.test[(split.test[:, 1] + 1) % given.every == 0]
+    family = Checkpoint.load(given.run)
+    body = Body.of(store)
+    print(f"{machine()}; {store.mesh.n_points} points, {len(samples)} samples\n")
+
+    start = time.perf_counter()
+    adapted = adapt(family, body, sample_forces(store, split.train))
+    seconds = time.perf_counter() - start
+    answers = {"linear solution": linear_answer(body)}
+    answers["family's network"] = network_answer(adapted.model)
+    for run in given.runs:
+        answers[run.name] = network_answer(Checkpoint.load(run).model)
+    rows = {name: errors(answer, store, samples) for name, answer in answers.items()}
+    with torch.no_grad():
+        adapted.model.get_submodule("local.last").weight.zero_()
+        adapted.model.get_submodule("local.last").bias.zero_()
+    rows["expansion, untrained"] = errors(answers["family's network"], store, samples)
+    table(
+        ("", "mean", "mean of maxima", "≤ 1 mm", "mean at full load"),
+        [
+            (
+                name,
+                f"{e.mean():.4f}",
+                f"{e.max(axis=1).mean():.2f}",
+                f"{100 * (e <= 1).mean():.2f} %",
+                f"{e[samples[:, 1] == store.n_levels - 1].mean():.3f}",
+            )
+            for name, e in rows.items()
+        ],
+    )
+    print(f"\nerrors in mm; adapted in {seconds:.1f} s")
+
+
+if __name__ == "__main__":
+    main()
