@@ -3,14 +3,10 @@
     OMP_NUM_THREADS=2 python benchmarks/registration.py --cases 24
     OMP_NUM_THREADS=2 python benchmarks/registration.py --cases 24 --skull sliding
 
-The truth is simulated on another mesh than the one that is registered, finer, with
-other materials (Poisson's ratio, stiffness of the tumour) and other points at the
-skull, under loads outside the span of the load modes: weight in a random direction near
-the craniotomy's, a retractor's narrow patch, and a pull on the tumour. Where the skull
-lets slide, it resists a third as much as the registration thinks. Within 30 mm of the
-craniotomy two things are measured with 0.5 to 1 mm of noise a coordinate, of which the
-registration is told the middle, 0.75 mm: how 50 points moved, and where 2000 points of
-the surface lie, without telling which point is which.
+The truth is of `benchmarks/shifts.py`: another mesh, other tissue, other loads. Within
+30 mm of the craniotomy two things are measured with 0.5 to 1 mm of noise a coordinate,
+of which the registration is told the middle, 0.75 mm: how 50 points moved, and where
+2000 points of the surface lie, without telling which point is which.
 
 Target registration error (TRE): distance between true and registered place of every
 mesh point; over the whole brain, within 50 mm of the craniotomy, and in the tumour.
@@ -22,7 +18,6 @@ they have the nearest points of the body at rest, the rigid motion by iterated m
 
 import argparse
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import pyvista as pv
@@ -31,163 +26,18 @@ from scipy.interpolate import RBFInterpolator
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from physgnn.geometry import (
-    Complement,
-    Phantom,
-    Sphere,
-    TetMesh,
-    boundary_faces,
-    boundary_points,
-    boundary_surface,
-    mni152_phantom,
-    select,
-    tetrahedralize,
-)
+from physgnn.geometry import TetMesh, boundary_surface, mni152_phantom, tetrahedralize
 from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.surface_points import SurfacePoints
 from physgnn.mechanics import NeoHookean
 from physgnn.prediction.measurement import N_SURFACE_POINTS
 from physgnn.prediction.registration import Registrar, Registration
-from physgnn.prediction.skull import ALONG_MM, Support, fixed_support, sliding_support
-from physgnn.prediction.tangent_response import TangentResponse
+from shifts import EXPOSED_MM, Truth, held
 
 FloatArray = NDArray[np.float64]
-EXPOSED_MM, NEAR_MM, N_SKULL = 30.0, 50.0, 60
-N_PAIRS, N_SURFACE = 50, 2000
-NOISE_MM, TOLD_MM = (0.5, 1.0), 0.75
-SHIFT_MM = (5.0, 12.0)
-HELD_MM, TRUE_HELD_MM = 75.0, 80.0
-BUCKLED = 1.5  # times the linear answer
-LEVELS, MAX_STEPS, CONVERGED_MM = 8, 15, 1e-3
-ICP_STEPS = 30
+NEAR_MM, N_SKULL, ICP_STEPS = 50.0, 60, 30
+HELD_MM, TOLD_MM = 75.0, 0.75
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
-TRUE_MATERIALS = {0: NeoHookean(2500.0, 0.45), 1: NeoHookean(9000.0, 0.47)}
-
-
-def held(mesh: TetMesh, phantom: Phantom, radius_mm: float) -> TetMesh:
-    """Hold the surface outside of a sphere about the craniotomy."""
-    opening = Sphere(tuple(phantom.craniotomy_point), radius_mm)
-    return mesh.with_point_sets(fixed=select(mesh, Complement(opening)))
-
-
-@dataclass(frozen=True)
-class Case:
-    """A true shift and what was measured of it."""
-
-    pairs: PointPairs
-    surface: SurfacePoints
-    displacement: FloatArray
-
-
-class Truth:
-    """Simulates shifts of a body that the registration does not know."""
-
-    def __init__(self, n_points: int, skull: str) -> None:
-        self.phantom = mni152_phantom(n_points=900)
-        surfaces = self.phantom.brain, self.phantom.tumours
-        mesh = tetrahedralize(*surfaces, target_points=n_points)
-        self.mesh = held(mesh, self.phantom, TRUE_HELD_MM)
-        support = self._support(skull)
-        self.tangent = TangentResponse(self.mesh, TRUE_MATERIALS, support, "tet4")
-        surface = boundary_points(self.mesh)
-        self.free = np.setdiff1d(surface, self.mesh.point_set("fixed"))
-        offset = self.mesh.points[self.free] - self.phantom.craniotomy_point
-        self.exposed = self.free[np.linalg.norm(offset, axis=1) < EXPOSED_MM]
-        faces = boundary_faces(self.mesh)
-        self.faces = faces[np.isin(faces, self.exposed).all(axis=1)]
-
-    def _support(self, skull: str) -> Support:
-        points = self.mesh.point_set("fixed")
-        if skull == "fixed":
-            return fixed_support(self.mesh, TRUE_MATERIALS, points)
-        return sliding_support(
-            self.mesh, TRUE_MATERIALS, points, along_mm=3.0 * ALONG_MM
-        )
-
-    def case(self, seed: int) -> Case:
-        """Simulate a shift and measure it."""
-        rng = np.random.default_rng(seed)
-        wanted = rng.uniform(*SHIFT_MM)
-        forces = self._forces(rng)
-        forces *= wanted / np.linalg.norm(self._linear(forces), axis=1).max()
-        levels = self._equilibria(forces)
-        reached = np.array([np.linalg.norm(u, axis=1).max() for u in levels])
-        # a body that buckles under a retractor is no brain any more
-        sound = reached < BUCKLED * wanted * np.arange(1, len(levels) + 1) / LEVELS
-        u = levels[np.argmin(np.where(sound, abs(reached - wanted), 99))]
-        noise = rng.uniform(*NOISE_MM)
-        source, target = self._measure(rng, u, N_PAIRS, noise)
-        _, surface = self._measure(rng, u, N_SURFACE, noise)
-        return Case(PointPairs(source, target), SurfacePoints(surface), u)
-
-    def _measure(
-        self, rng: np.random.Generator, u: FloatArray, count: int, noise: float
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return places on the exposed surface at rest and, with noise, moved."""
-        corners = self.faces[rng.choice(len(self.faces), count)]
-        weights = rng.dirichlet(np.ones(3), count)
-        source, moved = (
-            np.einsum("ni,nij->nj", weights, field[corners])
-            for field in (self.mesh.points, self.mesh.points + u)
-        )
-        return source, moved + rng.normal(scale=noise, size=source.shape)
-
-    def _linear(self, forces: FloatArray) -> FloatArray:
-        rest = np.zeros_like(forces)
-        found = self.tangent(rest, forces[None].astype(np.float32))
-        assert found is not None
-        return found[0][0].astype(np.float64)
-
-    def _equilibria(self, forces: FloatArray) -> list[FloatArray]:
-        """Newton's method, level by level, as far as it goes."""
-        u, found = np.zeros_like(forces), []
-        for level in range(1, LEVELS + 1):
-            load = (level / LEVELS * forces)[None].astype(np.float32)
-            for _ in range(MAX_STEPS):
-                answer = self.tangent(u, load)
-                if answer is None:
-                    return found
-                step = answer[0][0] + answer[1]
-                u = u + step
-                if np.linalg.norm(step, axis=1).max() < CONVERGED_MM:
-                    found.append(u)
-                    break
-            else:
-                return found
-        return found
-
-    def _forces(self, rng: np.random.Generator) -> FloatArray:
-        """Weight, a retractor and a pull on the tumour, in random proportions."""
-        mesh, phantom = self.mesh, self.phantom
-        inward = mesh.points.mean(axis=0) - phantom.craniotomy_point
-        inward /= np.linalg.norm(inward)
-        share = np.zeros(mesh.n_points)
-        np.add.at(share, mesh.cells, mesh.cell_volumes[:, None] / 4)
-        weight = share[:, None] * _near(rng, inward, 40.0)
-        centre = mesh.points[rng.choice(self.exposed)]
-        width = rng.uniform(15.0, 25.0)
-        square = ((mesh.points - centre) ** 2).sum(axis=1) / (2 * width**2)
-        retractor = np.zeros_like(weight)
-        retractor[self.free] = np.exp(-square)[self.free, None] * _near(
-            rng, inward, 60.0
-        )
-        tumour = np.unique(mesh.cells[mesh.region == 1])
-        pull = np.zeros_like(weight)
-        pull[tumour] = share[tumour, None] * _near(rng, inward, 180.0)
-        parts = [weight, retractor, pull]
-        largest = [np.linalg.norm(self._linear(f), axis=1).max() for f in parts]
-        amounts = rng.uniform([0.3, 0.0, 0.0], [1.0, 0.5, 0.2])
-        return sum(
-            a / size * f for a, size, f in zip(amounts, largest, parts, strict=True)
-        )
-
-
-def _near(
-    rng: np.random.Generator, direction: FloatArray, degrees: float
-) -> FloatArray:
-    axis = np.cross(direction, rng.normal(size=3))
-    turn = np.deg2rad(rng.uniform(0, degrees)) * axis / np.linalg.norm(axis)
-    return Rotation.from_rotvec(turn).apply(direction)
 
 
 def rigid(pairs: PointPairs, points: FloatArray) -> FloatArray:

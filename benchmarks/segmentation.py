@@ -42,14 +42,14 @@ def paint(data: FloatArray, grid: ImageGrid) -> LabelVolume:
 
 
 def mni152() -> LabelVolume:
-    """The template's brain mask at 1 mm."""
+    """Return the template at 1 mm."""
     image = load_mni152_brain_mask(resolution=1)
     mask = np.asarray(image.dataobj) > 0
     return paint(mask, ImageGrid(mask.shape, image.affine))
 
 
 def thick_slices() -> LabelVolume:
-    """The same as an oblique scan in LPS of 1 by 1 by 4 mm would have it."""
+    """Return the same as an oblique scan of 1 by 1 by 4 mm, LPS, would have it."""
     whole = mni152()
     turn = Rotation.from_euler("zyx", [12, -8, 15], degrees=True).as_matrix()
     shape, size = (220, 260, 60), np.array([1.0, 1.0, 4.0])
@@ -65,7 +65,7 @@ def thick_slices() -> LabelVolume:
 
 
 def ellipsoid() -> LabelVolume:
-    """A brain of 1.6 litres whose shape is known, LPS, 1.5 mm."""
+    """Return a brain of 1.6 litres whose shape is known, LPS, 1.5 mm."""
     affine = np.diag([-1.5, -1.5, 1.5, 1.0])
     affine[:3, 3] = 95.0, 95.0, -85.0
     grid = ImageGrid((128, 128, 128), affine)
@@ -76,7 +76,7 @@ def ellipsoid() -> LabelVolume:
 
 CASES: dict[str, Callable[[], LabelVolume]] = {
     "MNI152, 1 mm": mni152,
-    "MNI152, oblique, 1 × 1 × 4 mm": thick_slices,
+    "MNI152, oblique, 1 by 1 by 4 mm": thick_slices,
     "ellipsoid, LPS, 1.5 mm": ellipsoid,
 }
 REGIONS = {"brain": (0, 1), "tumour": (1, 4), "ventricles": (2, 6)}

@@ -102,6 +102,16 @@ def test_holes_and_islands_are_mended_and_said() -> None:
     check_whole(found)
 
 
+def test_a_piece_of_tumour_far_from_the_brain_is_dropped_with_its_island() -> None:
+    labels = phantom(*ORIENTATIONS["ras"])
+    data = labels.data.copy()
+    data[1:6, 1:6, 1:6] = 4  # 1 ml
+    found = extract_surfaces(LabelVolume(data, labels.affine), TABLE)
+    assert found.notes == ("brain: 1 islands dropped, 1.00 ml",)
+    assert len(found.tumours) == 1
+    check_whole(found)
+
+
 def test_a_tumour_at_the_surface_is_kept_inside_and_it_is_said() -> None:
     labels = phantom(*ORIENTATIONS["ras"])
     data = labels.data.copy()

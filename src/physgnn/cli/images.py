@@ -95,6 +95,12 @@ def register(
             skull=skull,
             materials={} if materials is None else read_materials(materials),
         )
+    ended = (
+        "the displacement can be used with its error estimate"
+        if found.prediction.status.usable
+        else "the search ended early, since a body held so can hardly move like that: "
+        "check points, materials and --skull"
+    )
     estimate = found.prediction.error_estimate_mm
     bound = "" if estimate is None else f"error {estimate.mean_mm:.2f} mm on average, "
     most = "" if estimate is None else f"{estimate.max_mm:.2f} mm at most"
@@ -102,5 +108,5 @@ def register(
     print(
         f"{out}: {bound}{most}{chance}, misfit {found.misfit_mm:.2f} mm, of points "
         f"held out {found.held_out_mm:.2f} mm; {found.prediction.seconds:.1f} s; "
-        f"{found.prediction.status}: {found.prediction.status.remedy}"
+        f"{found.prediction.status}: {ended}"
     )

@@ -86,7 +86,10 @@ def tissue_masks(
     voxel = grid.voxel_volume_mm3
     brain = _closed(_cropped(whole, window), grid.voxel_mm, closing, voxel, notes)
     parts = {
-        name: _pieces(_cropped(masks[name], window), name, smallest_mm3, voxel, notes)
+        # what lies on an island went with it
+        name: _pieces(
+            _cropped(masks[name], window) & brain, name, smallest_mm3, voxel, notes
+        )
         for name in ("tumour", "ventricle")
         if name in masks
     }
