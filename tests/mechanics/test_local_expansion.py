@@ -8,6 +8,7 @@ from meshes import block_mesh
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import make_pattern
 from physgnn.mechanics.element import internal_force, make_elements
+from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.local_expansion import LocalExpansion
 from physgnn.mechanics.materials import NeoHookean
@@ -36,7 +37,9 @@ def expansion(
 ) -> LocalExpansion:
     state = np.zeros_like(mesh.points) if state is None else state
     pattern = make_pattern(mesh.cells, mesh.n_points, mesh.point_set("fixed"))
-    return LocalExpansion(make_elements(mesh, MATERIALS), pattern, state, points)
+    linear = make_linear_solver(pattern)
+    elements = make_elements(mesh, MATERIALS)
+    return LocalExpansion(elements, pattern, state, points, linear)
 
 
 def around(mesh: TetMesh, node: int, radius: float) -> NDArray[np.int64]:

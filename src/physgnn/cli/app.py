@@ -190,7 +190,9 @@ def train(
     config: Annotated[
         Path | None, typer.Option(help="TOML with training settings.")
     ] = None,
-    model: Annotated[str | None, typer.Option(help="physgnn or lifted.")] = None,
+    model: Annotated[
+        str | None, typer.Option(help="physgnn, lifted, reduced, galerkin.")
+    ] = None,
     configuration: Annotated[
         int | None, typer.Option(help="1 to 12, of the published network.")
     ] = None,

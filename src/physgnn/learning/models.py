@@ -8,14 +8,19 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from physgnn.errors import InputError
+from physgnn.learning.galerkin import GalerkinModel
 from physgnn.learning.interface import Body, Model
 from physgnn.learning.lifted import LiftedModel
 from physgnn.learning.physgnn_model import PhysGNNModel
+from physgnn.learning.reduced import ReducedModel
 
 MODELS: Mapping[str, Callable[..., Model]] = {
+    "galerkin": GalerkinModel,
     "lifted": LiftedModel,
     "physgnn": PhysGNNModel,
+    "reduced": ReducedModel,
 }
+FITTED = ("galerkin", "reduced")  # no weights to train: `physgnn.learning.fitting`
 
 
 def build_model(name: str, body: Body, **options: Any) -> Model:

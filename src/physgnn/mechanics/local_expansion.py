@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
 from physgnn.mechanics.dense_newton import minimise
 from physgnn.mechanics.element import Elements, internal_force, strain_energy
-from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
+from physgnn.mechanics.linear_solver import LinearSolver
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -66,8 +66,8 @@ class LocalExpansion:
     points : integer array
         The patch; forces act only here. Cells with all their points in it are
         nonlinear.
-    threads : int
-        Threads of the factorisation.
+    linear : LinearSolver
+        Of the pattern, in double precision; used while this is made, and no more.
 
     Raises
     ------
@@ -81,10 +81,8 @@ class LocalExpansion:
         pattern: Pattern,
         state: FloatArray,
         points: IntArray,
-        *,
-        threads: int = 1,
+        linear: LinearSolver,
     ) -> None:
-        linear = make_linear_solver(pattern, threads=threads)
         data, inverted = assemble_tangent(elements, pattern, state)
         if inverted >= 0 or not linear.factorize(data):
             raise ValueError("the state to expand about is not stable")

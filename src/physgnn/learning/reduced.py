@@ -1,0 +1,194 @@
+"""The reduced model: nothing learnt, a few dozen unknowns, a few milliseconds.
+
+A load is answered by the local expansion (`physgnn.mechanics.local_expansion`) about
+known equilibria, solved exactly in the cells around the loaded points. Known are the
+rest state and some of the training samples, the anchors, chosen to lie far from one
+another. The answers about the nearest anchors are averaged with weights 1 / distance⁴,
+so that an anchor's own load gets its own state back.
+"""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from itertools import islice
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from physgnn.dataset.store import Store
+from physgnn.errors import InputError
+from physgnn.learning.graph import Graph, as_float32
+from physgnn.learning.interface import Body, Model
+from physgnn.learning.load_distance import LoadDistance, farthest
+from physgnn.learning.mesh_gradient import points_within
+from physgnn.mechanics.assembly import make_pattern
+from physgnn.mechanics.element import make_elements
+from physgnn.mechanics.linear_solver import make_linear_solver
+from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.local_expansion import LocalExpansion
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+KEPT_AT_ONCE = 256  # expansions; one about 17 points takes 6 MB on 9000
+LEAST_MM = 1e-9  # a distance can't be zero in a weight
+
+
+class ReducedModel(Model):
+    """Local expansions about the rest state and some training samples.
+
+    Expansions are made when first needed (half a second each on 9000 points) and kept.
+
+    Parameters
+    ----------
+    body : Body
+        What it's made for; its elements are tet4.
+    anchors : int
+        How many training samples to expand about.
+    together : int
+        How many of the nearest anchors to average the answers of.
+    reach : int
+        Cells with all points at most so many edges from a loaded one are exact.
+    reach_from_rest : int
+        The same for loads on points that no anchor loads, which are answered about
+        the rest state.
+
+    Raises
+    ------
+    InputError
+        If an option is out of range.
+    """
+
+    states: Tensor
+    loads: Tensor
+
+    def __init__(
+        self,
+        body: Body,
+        *,
+        anchors: int = 128,
+        together: int = 3,
+        reach: int = 1,
+        reach_from_rest: int = 2,
+    ) -> None:
+        super().__init__()
+        if min(anchors, reach, reach_from_rest) < 0 or together < 1:
+            raise InputError(
+                "anchors, reach and reach_from_rest must be ≥ 0, together ≥ 1 (got "
+                f"{anchors}, {reach}, {reach_from_rest}, {together})"
+            )
+        self.body = body
+        self.together, self.reach = together, reach
+        self.reach_from_rest = reach_from_rest
+        self._elements = make_elements(body.mesh, body.materials)
+        self._pattern = make_pattern(body.mesh.cells, body.mesh.n_points, body.fixed)
+        threads = torch.get_num_threads()
+        self._linear = make_linear_solver(self._pattern, threads=threads)
+        shape = (anchors, body.mesh.n_points, 3)
+        self.register_buffer("states", torch.zeros(shape))
+        self.register_buffer("loads", torch.zeros(shape))
+        self._known: _KnownLoads | None = None
+        self._about = lru_cache(KEPT_AT_ONCE)(self._expansion)
+        self.register_load_state_dict_post_hook(_forget)  # type: ignore[no-untyped-call]
+
+    def fit(self, store: Store, samples: IntArray) -> None:
+        """Choose the anchors: each time the sample farthest from those chosen."""
+        self.states.zero_()
+        self.loads.zero_()
+        for i, (path, level) in enumerate(self._far_apart(store, samples).tolist()):
+            case = store.load_case(path, level)
+            self.loads[i] = as_float32(case.on_points(self.body.mesh.n_points))
+            self.states[i] = torch.tensor(store.displacement(path)[level])
+        self.forget()
+
+    def _far_apart(self, store: Store, samples: IntArray) -> IntArray:
+        paths = [store.load_path(int(path)) for path in np.unique(samples[:, 0])]
+        nodes = np.unique(np.concatenate([path.nodes for path in paths]))
+        distance = LoadDistance(self.body, nodes)
+        forces = np.zeros((len(samples), len(distance.nodes), 3))
+        for force, (path, level) in zip(forces, samples.tolist(), strict=True):
+            field = store.load_case(path, level).on_points(self.body.mesh.n_points)
+            force[:] = field[distance.nodes]
+        return samples[farthest(distance.coordinates(forces), len(self.states))]
+
+    def forget(self) -> None:
+        """Drop what was made from the anchors; it's made again when needed."""
+        self._known = None
+        self._about.cache_clear()
+
+    def encode(self, load_case: LoadCase) -> Tensor:
+        """Return the answer, (n_points, 3) float32, mm: all is done here."""
+        force = load_case.on_points(self.body.mesh.n_points)
+        nodes = tuple(np.flatnonzero(force.any(axis=1)).tolist())
+        found = list(islice(self._converged(force), self.together))
+        if not found:
+            return as_float32(self._about(None, nodes)(force).displacement)
+        total = sum(weight for weight, _ in found)
+        return as_float32(sum(weight / total * u for weight, u in found))
+
+    def _converged(self, force: FloatArray) -> Iterator[tuple[float, FloatArray]]:
+        """Yield weights and answers about anchors, the nearest first."""
+        if self._known is None:
+            self._known = _KnownLoads(self.body, self.loads.cpu().numpy())
+        for k, distance, nodes in self._known.nearest(force):
+            answer = self._about(k, nodes)(force)
+            if answer.converged:
+                yield max(distance, LEAST_MM) ** -4.0, answer.displacement
+
+    def _expansion(self, k: int | None, nodes: tuple[int, ...]) -> LocalExpansion:
+        """Expand about an anchor, or the rest state, exact around some nodes."""
+        mesh = self.body.mesh
+        reach = self.reach_from_rest if k is None else self.reach
+        state = (
+            np.zeros_like(mesh.points)
+            if k is None
+            else self.states[k].cpu().numpy().astype(np.float64)
+        )
+        near = points_within(mesh, np.array(nodes, dtype=np.int64), reach)
+        return LocalExpansion(
+            self._elements,
+            self._pattern,
+            state,
+            np.flatnonzero(near),
+            self._linear,
+        )
+
+    def forward(self, inputs: Tensor, graph: Graph) -> Tensor:  # noqa: ARG002
+        """Return displacement in mm, (batch, n_points, 3)."""
+        return inputs
+
+
+class _KnownLoads:
+    """The anchors' loads, and which are near a given one."""
+
+    def __init__(self, body: Body, loads: NDArray[np.float32]) -> None:
+        loaded = loads.any(axis=2)
+        self._used = np.flatnonzero(loaded.any(axis=1))
+        self._nodes = [np.flatnonzero(loaded[k]) for k in self._used]
+        self._distance = LoadDistance(body, np.flatnonzero(loaded.any(axis=0)))
+        fields = loads[self._used][:, self._distance.nodes].astype(np.float64)
+        self._coordinates = self._distance.coordinates(fields)
+
+    def nearest(
+        self, force: FloatArray
+    ) -> Iterator[tuple[int | None, float, tuple[int, ...]]]:
+        """Yield anchors that load every point a force loads: index, distance, points.
+
+        The nearest come first; the rest state, None, is among them.
+        """
+        asked = np.flatnonzero(force.any(axis=1))
+        f = self._distance.coordinates(force[None, self._distance.nodes])
+        away = np.linalg.norm(self._coordinates - f, axis=1)
+        near = [(float(np.linalg.norm(f)), None, tuple(asked.tolist()))]
+        near += [
+            (float(away[i]), int(self._used[i]), tuple(self._nodes[i].tolist()))
+            for i in np.flatnonzero([np.isin(asked, at).all() for at in self._nodes])
+        ]
+        for distance, k, nodes in sorted(near, key=lambda known: known[0]):
+            yield k, distance, nodes
+
+
+def _forget(model: nn.Module, _: object) -> None:
+    assert isinstance(model, ReducedModel)
+    model.forget()

@@ -1,0 +1,160 @@
+"""What the reduced model must be, and that it runs as every model does."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from physgnn.dataset.split import Split
+from physgnn.dataset.store import Store
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.fitting import fit
+from physgnn.learning.interface import Body
+from physgnn.learning.load_distance import LoadDistance, farthest
+from physgnn.learning.reduced import ReducedModel
+from physgnn.learning.training_config import TrainingConfig
+from physgnn.mechanics.loads import LoadCase, LoadPath
+from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.rest_state import RestState
+from physgnn.mechanics.solver import SolverOptions, solve
+from physgnn.prediction.predictor import Predictor
+
+MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
+PUSH = np.array([[2e-2, 1e-2, -4e-2]])
+EXACT = SolverOptions(tolerance_mm=1e-6)
+
+
+def body_of(mesh: TetMesh) -> Body:
+    return Body(mesh, MATERIALS, mesh.point_set("fixed"))
+
+
+def push(mesh: TetMesh, share: float = 1.0) -> LoadCase:
+    return LoadCase(mesh.point_set("loaded")[5:6], share * PUSH)
+
+
+def answer(model: ReducedModel, case: LoadCase) -> np.ndarray:
+    with torch.no_grad():
+        out: Tensor = model(model.encode(case)[None], model.body.graph)[0]
+    return out.numpy().astype(np.float64)
+
+
+def with_anchor(mesh: TetMesh, share: float) -> ReducedModel:
+    """A model that knows the equilibrium at a share of the push."""
+    model = ReducedModel(body_of(mesh), anchors=2)
+    path = LoadPath(push(mesh).nodes, PUSH, np.array([share]))
+    solution = solve(mesh, path, materials=MATERIALS, options=EXACT)
+    model.states[0] = torch.tensor(solution.displacement[0])
+    model.loads[0] = torch.tensor(push(mesh, share).on_points(mesh.n_points))
+    model.forget()
+    return model
+
+
+@pytest.mark.parametrize("anchored", [False, True])
+def test_small_loads_get_the_linear_answer(block: TetMesh, anchored: bool) -> None:
+    model = with_anchor(block, 0.02) if anchored else ReducedModel(body_of(block))
+    tiny = push(block, 1e-3)
+    linear = RestState(block, MATERIALS).solve(tiny.on_points(block.n_points))
+    error = np.abs(answer(model, tiny) - linear).max()
+    assert error < 0.01 * np.abs(linear).max()
+
+
+def test_an_anchors_own_load_gets_its_state(block: TetMesh) -> None:
+    model = with_anchor(block, 0.8)
+    np.testing.assert_allclose(
+        answer(model, push(block, 0.8)), model.states[0].numpy(), atol=1e-5
+    )
+
+
+def test_an_anchor_brings_loads_near_it_nearer(block: TetMesh) -> None:
+    path = LoadPath(push(block).nodes, PUSH, np.array([1.0]))
+    truth = solve(block, path, materials=MATERIALS, options=EXACT).displacement[0]
+    from_rest = answer(ReducedModel(body_of(block), reach_from_rest=1), push(block))
+    anchored = answer(with_anchor(block, 0.8), push(block))
+    linear = RestState(block, MATERIALS).solve(push(block).on_points(block.n_points))
+    errors = [np.abs(u - truth).max() for u in (linear, from_rest, anchored)]
+    assert errors[1] < errors[0]
+    assert errors[2] < 0.5 * errors[1]
+    assert not anchored[block.point_set("fixed")].any()
+
+
+def test_turning_body_and_load_turns_the_answer(block: TetMesh) -> None:
+    turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    turned = TetMesh(block.points @ turn.T, block.cells, block.region, block.point_sets)
+    case = push(block)
+    u = answer(ReducedModel(body_of(block)), case)
+    rotated = answer(
+        ReducedModel(body_of(turned)), LoadCase(case.nodes, case.forces @ turn.T)
+    )
+    np.testing.assert_allclose(rotated, u @ turn.T, atol=1e-5)
+
+
+def test_the_order_of_points_does_not_matter(block: TetMesh) -> None:
+    order = np.random.default_rng(0).permutation(block.n_points)
+    place = np.argsort(order)
+    shuffled = TetMesh(
+        block.points[order],
+        place[block.cells].astype(np.int32),
+        block.region,
+        {name: np.sort(place[ids]) for name, ids in block.point_sets.items()},
+    )
+    case = push(block)
+    u = answer(ReducedModel(body_of(block)), case)
+    mixed = answer(
+        ReducedModel(body_of(shuffled)), LoadCase(place[case.nodes], case.forces)
+    )
+    np.testing.assert_allclose(mixed, u[order], atol=1e-5)
+
+
+def test_distances_are_those_of_energy(block: TetMesh) -> None:
+    nodes = block.point_set("loaded")[:3]
+    forces = np.random.default_rng(0).normal(size=(2, 3, 3)) * 1e-2
+    fields = np.zeros((2, block.n_points, 3))
+    fields[:, nodes] = forces
+    apart = fields[0] - fields[1]
+    work = (apart * RestState(block, MATERIALS).solve(apart)).sum()
+    x = LoadDistance(body_of(block), nodes).coordinates(forces)
+    assert np.linalg.norm(x[0] - x[1]) == pytest.approx(np.sqrt(work), rel=1e-6)
+
+
+def test_the_farthest_come_first_and_none_twice() -> None:
+    points = np.array([[1.0, 0], [3, 0], [3, 0], [0, 2], [2.9, 0]])
+    assert farthest(points, 3).tolist() == [1, 3, 0]
+    assert len(farthest(points, 10)) == 4
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [("reduced", {"anchors": 3}), ("galerkin", {"modes": 3, "reach": 1})],
+)
+def test_a_run_is_fitted_saved_and_predicts(
+    store: Store, split: Split, tmp_path: Path, name: str, options: dict[str, int]
+) -> None:
+    config = TrainingConfig(model=name, options=options)
+    checkpoint = fit([store], [split], config, tmp_path / "run")
+    case = store.load_case(*split.test[-1].tolist())
+    predicted = Predictor.load(tmp_path / "run")(case).displacement
+    assert predicted.shape == store.mesh.points.shape
+    assert np.isfinite(predicted).all()
+    np.testing.assert_array_equal(
+        checkpoint.model.encode(case).numpy(), predicted.astype(np.float32)
+    )
+    with pytest.raises(InputError, match="holds a run already"):
+        fit([store], [split], config, tmp_path / "run")
+
+
+@pytest.mark.parametrize("options", [{"anchors": -1}, {"together": 0}])
+def test_options_out_of_range_are_refused(
+    block: TetMesh, options: dict[str, int]
+) -> None:
+    with pytest.raises(InputError, match="together ≥ 1"):
+        ReducedModel(body_of(block), **options)
+
+
+def test_several_bodies_are_refused(store: Store, split: Split, tmp_path: Path) -> None:
+    config = TrainingConfig(model="reduced")
+    with pytest.raises(InputError, match="one dataset"):
+        fit([store, store], [split, split], config, tmp_path / "run")
