@@ -74,7 +74,8 @@ def test_what_it_writes(run: Path, report: Report, page: str) -> None:
     folder = run / "evaluation-path"
     assert Report.read(folder / "metrics.json") == report
     names = {path.name for path in folder.iterdir()}
-    assert names == {"metrics.json", "report.html", "figures", "rows"}
+    files = {"metrics.json", "error-bars.json", "report.html"}
+    assert names == files | {"figures", "rows"}
     assert len(list((folder / "figures").glob("*.png"))) == 2 * page.count("<figure>")
 
 

@@ -77,3 +77,24 @@ def test_calibration_needs_samples(store: Store, body: Body, parts: tuple) -> No
     indicator = ("displacement", INDICATORS["displacement"](body))
     with pytest.raises(InputError, match="validation samples"):
         calibrate(linear_answer(body), indicator, store, (parts[0], nothing))
+
+
+def test_other_promises_have_other_factors(calibration: Calibration) -> None:
+    """Four paths cannot promise more than 4 / 5, and say so."""
+    assert [row[0] for row in calibration.others] == [pytest.approx(4 / 5)]
+    same = calibration.at(calibration.coverage)
+    assert same == calibration
+    with pytest.raises(InputError, match=r"calibrated for coverage 0\.99"):
+        calibration.at(0.99)
+
+
+def test_a_higher_promise_has_no_smaller_factor(
+    store: Store, body: Body, parts: tuple
+) -> None:
+    indicator = ("displacement", INDICATORS["displacement"](body))
+    answer = linear_answer(body)
+    found = calibrate(answer, indicator, store, parts[:2], coverages=(0.5, 0.75))
+    stricter = found.at(0.75)
+    assert stricter.coverage == 0.75
+    assert stricter.max_factor >= found.max_factor
+    assert stricter.mean_factor >= found.mean_factor

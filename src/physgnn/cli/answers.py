@@ -91,6 +91,9 @@ def predict(
     precision: Annotated[
         str, typer.Option(help="float32, or for PhysGNN bfloat16: quicker, rougher.")
     ] = "float32",
+    estimate: Annotated[
+        str, typer.Option(help="Of the error: physical, or quick: a coarser bound.")
+    ] = "physical",
 ) -> None:
     """Predict the displacement under one load case."""
     with working("predicting"):
@@ -103,12 +106,14 @@ def predict(
             tolerance_mm=tolerance_mm,
             linear=linear,
             precision=precision,
+            estimate=estimate,
         )
     largest = (answer.displacement**2).sum(axis=1).max() ** 0.5
-    estimate = answer.error_estimate_mm
-    bound = "" if estimate is None else f", error at most {estimate.max_mm:.2g} mm"
-    chance = "" if estimate is None else f" ({estimate.coverage:.0%} of cases)"
+    bounds, likely = answer.error_estimate_mm, answer.likely_error_mm
+    error = "" if likely is None else f", error likely {likely.max_mm:.2g} mm"
+    bound = "" if bounds is None else f", error at most {bounds.max_mm:.2g} mm"
+    chance = "" if bounds is None else f" ({bounds.coverage:.0%} of cases)"
     print(
-        f"{out}: largest displacement {largest:.2f} mm{bound}{chance}, "
+        f"{out}: largest displacement {largest:.2f} mm{error}{bound}{chance}, "
         f"{1e3 * answer.seconds:.1f} ms; {answer.status}: {answer.status.remedy}"
     )

@@ -1,6 +1,6 @@
 """The figures of a report, each saved for a light and for a dark page."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +15,8 @@ from matplotlib.lines import Line2D
 from physgnn.dataset.store import Store
 from physgnn.evaluation import scenes
 from physgnn.evaluation.charts import estimate_chart, histogram_chart, level_chart
+from physgnn.evaluation.coverage import BarSample
+from physgnn.evaluation.coverage_chart import bars_chart
 from physgnn.evaluation.result import ModelErrors, Report
 from physgnn.evaluation.scenes import FloatArray, Image, View
 from physgnn.evaluation.style import (
@@ -101,6 +103,18 @@ def draw_figures(
         )
     made.append(_draw_worst(store, model, predict, folder))
     return tuple(made)
+
+
+def draw_bars(samples: Sequence[BarSample], folder: Path) -> Picture:
+    """Draw how far error estimates and bounds can be trusted."""
+    return _save(
+        "error_bars",
+        f"Error estimates and bounds beside the true error, {len(samples)} samples: "
+        "the physical estimate over it (shaded: within a factor of two), how often "
+        "bounds held (dashed: as promised), and how far above it they lie.",
+        lambda: bars_chart(samples),
+        folder,
+    )
 
 
 def _draw_case(store: Store, model: ModelErrors, folder: Path) -> Picture:

@@ -96,6 +96,8 @@ def report_html(report: Report, pictures: Iterable[Picture]) -> str:
                 _bounds(model),
                 facts.get("bounds", ""),
                 shown.get("error_bound"),
+                shown.get("error_bars"),
+                facts.get("error_bars", ""),
                 table(kept) if kept else None,
             ),
         ),

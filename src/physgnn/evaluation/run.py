@@ -11,6 +11,12 @@ from numpy.typing import NDArray
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.evaluation.baselines import QUICK, baseline_rows
+from physgnn.evaluation.coverage import (
+    BarSample,
+    bar_facts,
+    measure_bars,
+    write_bars,
+)
 from physgnn.evaluation.evaluate import evaluate
 from physgnn.evaluation.facts import (
     bound_facts,
@@ -19,7 +25,7 @@ from physgnn.evaluation.facts import (
     provenance_facts,
     time_facts,
 )
-from physgnn.evaluation.figures import draw_figures
+from physgnn.evaluation.figures import draw_bars, draw_figures
 from physgnn.evaluation.held_out import HeldOut, check_unseen
 from physgnn.evaluation.kept_rows import KeptRows
 from physgnn.evaluation.report import write_report
@@ -100,8 +106,11 @@ def evaluate_runs(
     kept = KeptRows(out / "rows", held_out)
     report = evaluate(rows, held_out, kept=kept, progress=progress)
     predictor = load_predictor(run, held_out.store)
-    report = report.with_facts(**_facts(report, held_out, predictor, run, command))
-    write_evaluation(report, held_out.store, predictor, out)
+    bars = measure_bars(predictor, held_out, progress=progress)
+    report = report.with_facts(
+        **_facts(report, held_out, predictor, run, command), error_bars=bar_facts(bars)
+    )
+    write_evaluation(report, held_out.store, predictor, out, bars)
     write_model_card(run, errors=accuracy_table(report).text())
     return report
 
@@ -141,12 +150,19 @@ def _facts(
 
 
 def write_evaluation(
-    report: Report, store: Store, predictor: Predictor, folder: Path
+    report: Report,
+    store: Store,
+    predictor: Predictor,
+    folder: Path,
+    bars: Sequence[BarSample] = (),
 ) -> None:
-    """Write metrics.json, figures/ and report.html into a folder."""
+    """Write metrics.json, error-bars.json, figures/ and report.html into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     report.write(folder / "metrics.json")
+    write_bars(bars, folder / "error-bars.json")
     pictures = draw_figures(report, store, predictor, folder / "figures")
+    if bars:
+        pictures = (*pictures, draw_bars(bars, folder / "figures"))
     write_report(report, pictures, folder / "report.html")
 
 

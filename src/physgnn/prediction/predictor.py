@@ -18,7 +18,6 @@ from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.known_states import NearestKnown
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.relaxation import Relaxation
-from physgnn.mechanics.solution import Status
 from physgnn.prediction.calibration import (
     COVERAGES,
     RELAXATION,
@@ -40,20 +39,13 @@ from physgnn.prediction.prediction import (
     Prediction,
     PredictionStatus,
 )
+from physgnn.prediction.repair import good_enough, repair
 from physgnn.progress import Progress
 
 CALIBRATION_FILE = "calibration.json"
 RELAXATION_FILE = "calibration-relaxation.json"
 ESTIMATES = ("quick", "physical")
-WRONG_BY = 2.0  # the physical estimate may be too small by such a factor
 MAX_RELAXED = 330  # validation samples; each costs about ten of the quick ones
-SAFETY = 10.0  # a repair's own estimate must be so much below the tolerance
-REPAIRS = {
-    "guess": PredictionStatus.REPAIRED,
-    "known": PredictionStatus.REPAIRED,
-    "rest": PredictionStatus.SOLVED,
-    "path": PredictionStatus.SOLVED,
-}
 
 
 class Predictor:
@@ -169,16 +161,19 @@ class Predictor:
                 f"estimate must be one of {', '.join(ESTIMATES)} (got {estimate})"
             )
         displacement, status = self.answer(load_case), self._status(load_case)
+        bounds, likely = None, None
         if estimate == "quick" and tolerance_mm is None:
-            bounds, likely = self._quick(load_case, displacement), None
+            bounds = self._quick(load_case, displacement)
         else:
             relaxed = self.relax(load_case, displacement)
             bounds, likely = self._physical(load_case, displacement, relaxed.error)
             if tolerance_mm is not None and not (
-                status.usable and _within(bounds, likely, tolerance_mm)
+                status.usable and good_enough(bounds, likely, tolerance_mm)
             ):
-                displacement = relaxed.displacement
-                return self._repaired(load_case, displacement, tolerance_mm, start)
+                displacement, bounds, status = repair(
+                    self._approach, load_case, relaxed.displacement, tolerance_mm
+                )
+                likely = None
         seconds = time.perf_counter() - start
         return Prediction(displacement, bounds, status, seconds, likely)
 
@@ -193,12 +188,24 @@ class Predictor:
             return Relaxation(nowhere, nowhere, nowhere)
         return self._approach.relax(load_case, displacement)
 
+    def indicate(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
+        """Return the quick indicator of an answer's error, (n_points, 3), mm.
+
+        Raises
+        ------
+        InputError
+            If the predictor is not calibrated.
+        """
+        if self._indicator is None:
+            raise InputError("the predictor is not calibrated: train its run again")
+        return self._indicator(load_case, displacement)
+
     def _quick(
         self, load_case: LoadCase, displacement: FloatArray
     ) -> ErrorEstimate | None:
-        if self.calibration is None or self._indicator is None:
+        if self.calibration is None:
             return None
-        return self.calibration.estimate(self._indicator(load_case, displacement))
+        return self.calibration.estimate(self.indicate(load_case, displacement))
 
     def _physical(
         self, load_case: LoadCase, displacement: FloatArray, error: FloatArray
@@ -216,18 +223,6 @@ class Predictor:
             return PredictionStatus.OUTSIDE_TRAINED_RANGE
         return PredictionStatus.OK
 
-    def _repaired(
-        self, case: LoadCase, guess: FloatArray, tolerance_mm: float, start: float
-    ) -> Prediction:
-        within = tolerance_mm / SAFETY
-        found = self._approach.solve(case, guess, tolerance_mm=within)
-        if found.status == Status.CONVERGED:
-            status, estimate = REPAIRS[found.origin], ErrorEstimate(within, within, 1.0)
-        else:
-            status, estimate = PredictionStatus.TOLERANCE_NOT_MET, None
-        seconds = time.perf_counter() - start
-        return Prediction(found.displacement, estimate, status, seconds)
-
     @cached_property
     def _approach(self) -> Approach:
         body = self.body
@@ -239,15 +234,6 @@ class Predictor:
             element=body.element,
             threads=torch.get_num_threads(),
         )
-
-
-def _within(
-    bounds: ErrorEstimate | None, likely: LikelyError, tolerance_mm: float
-) -> bool:
-    """Whether an error may be taken to be below a tolerance."""
-    if bounds is None:
-        return False
-    return max(bounds.max_mm, WRONG_BY * likely.max_mm) <= tolerance_mm
 
 
 def _read_if_there(file: Path) -> Calibration | None:
@@ -289,7 +275,12 @@ def calibrate_run(
     made = {}
     for file, name, measure, held_out in (
         (CALIBRATION_FILE, indicator, quick, split.validation),
-        (RELAXATION_FILE, RELAXATION, predictor.error, split.validation[::every]),
+        (
+            RELAXATION_FILE,
+            RELAXATION,
+            predictor.error,
+            split.validation[every - 1 :: every],
+        ),
     ):
         made[file] = calibrate(
             predictor.answer,

@@ -17,6 +17,7 @@ def predict(
     tolerance_mm: float | None = None,
     linear: bool = False,
     precision: str = "float32",
+    estimate: str = "physical",
 ) -> "Prediction":
     """Answer a load case from a JSON file and write the displacement.
 
@@ -38,6 +39,8 @@ def predict(
         Write the linear solution beside the prediction.
     precision : {"float32", "bfloat16"}
         See `physgnn.prediction.Predictor`.
+    estimate : {"physical", "quick"}
+        How the error is estimated; see `physgnn.prediction.Predictor`.
 
     Raises
     ------
@@ -55,7 +58,7 @@ def predict(
     predictor = Predictor.load(run, precision=precision)
     body = predictor.body
     case = read_load_case(load, body.mesh)
-    prediction = predictor(case, tolerance_mm=tolerance_mm)
+    prediction = predictor(case, tolerance_mm=tolerance_mm, estimate=estimate)
     fields = {"displacement_mm": prediction.displacement}
     if linear:
         fields["linear_displacement_mm"] = linear_answer(body)(case)
