@@ -162,8 +162,8 @@ def main() -> None:
         for element in ELEMENTS:
             tips = [cook_tip(n, nu, element) for n in (4, 8, 12)]
             print(f"Cook nu={nu} {element}: {np.round(tips, 3).tolist()}", flush=True)
-    for nu in (0.49, 0.499):
-        tips = [cook_tip(n, nu, "tet4-averaged", 0.02) for n in (8, 16, 24)]
+    for nu, sizes in ((0.49, (8, 16, 24)), (0.499, (8, 16))):
+        tips = [cook_tip(n, nu, "tet4-averaged", 0.02) for n in sizes]
         print(
             f"Cook, 20 mN, nu={nu} averaged: {np.round(tips, 3).tolist()}", flush=True
         )
