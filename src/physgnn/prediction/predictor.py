@@ -89,7 +89,12 @@ class Predictor:
 
     @classmethod
     def load(
-        cls, run: str | Path, *, device: str = "cpu", precision: str = "float32"
+        cls,
+        run: str | Path,
+        *,
+        device: str = "cpu",
+        precision: str = "float32",
+        warm: bool = True,
     ) -> "Predictor":
         """Load the model of a run folder, with its calibration if there is one.
 
@@ -101,6 +106,9 @@ class Predictor:
             As torch names it.
         precision : {"float32", "bfloat16"}
             Of a PhysGNN's largest products; the processor should be made for it.
+        warm : bool
+            First answers factorise, compile and allocate: have them over with. A
+            single answer needs but one factor of several, and so is sooner without.
 
         Raises
         ------
@@ -119,8 +127,7 @@ class Predictor:
             known=nearest_known(model),
             linear=quick_linear(model),
         )
-        # First answers factorise, compile and allocate: have them over with.
-        for case in first_cases(model):
+        for case in first_cases(model) if warm else ():
             predictor(case)
         return predictor
 

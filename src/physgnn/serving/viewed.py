@@ -88,7 +88,7 @@ def view(path: str | Path | None) -> Viewed:
 
 def view_run(run: Path, title: str) -> Viewed:
     """Return a trained run: what was loaded in training is what is exposed."""
-    network = Predictor.load(run)
+    network = Predictor.load(run, warm=False)  # the server does that meanwhile
     body, calibration = network.body, network.calibration
     trained = None if calibration is None else calibration.trained_range.nodes
     exposed = Exposed.of(body, _exposed_nodes(body.mesh, trained))

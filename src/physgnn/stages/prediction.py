@@ -55,7 +55,7 @@ def predict(
 
     write = form_of(out, form).write
     grid = None if image is None else read_image(image).grid
-    predictor = Predictor.load(run, precision=precision)
+    predictor = Predictor.load(run, precision=precision, warm=False)
     body = predictor.body
     case = read_load_case(load, body.mesh)
     prediction = predictor(case, tolerance_mm=tolerance_mm, estimate=estimate)
