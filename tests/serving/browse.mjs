@@ -8,9 +8,12 @@ const { chromium: launcher } = await import(pathToFileURL(path.join(playwright, 
 const FLAGS = [
   "--headless", "--no-sandbox", "--disable-quic", "--no-first-run",
   "--disable-background-networking", "--disable-component-update", "--disable-sync",
-  "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+  "--enable-unsafe-swiftshader", // WebGL without a graphics card
 ];
 const WAIT = { timeout: 60000 };
+const READ_MS = 150; // the panel's numbers change ten times a second
+const SECONDS = 5; // of dragging, over which the rate is measured
+const MOVE_MS = 16; // what a mouse does
 
 const browser = await launcher.launch({ executablePath: chromium, args: FLAGS });
 const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, hasTouch: true });
@@ -30,7 +33,11 @@ const place = (dx = 0, dy = 0) => page.evaluate(([dx, dy]) => {
 async function answered(name) {
   await settle();
   await page.waitForFunction(
-    (name) => window.physgnn.answers[name]?.id === window.physgnn.link.id, name, WAIT);
+    (name) => {
+      const { answers, link } = window.physgnn;
+      return link.next === null && answers[name]?.id === link.id;
+    }, name, WAIT);
+  await page.waitForTimeout(READ_MS);
   await settle();
 }
 const state = async () => page.evaluate(() => ({
@@ -54,6 +61,7 @@ async function drag(steps, seconds) {
   do {
     await page.mouse.move(x + 14 * Math.sin(i / 9), y + 8 * Math.cos(i / 7));
     i += 1;
+    await page.waitForTimeout(MOVE_MS);
   } while (i < steps || Date.now() < end);
   await page.mouse.up();
 }
@@ -69,9 +77,11 @@ await answered("network");
 saw.dragged = await state();
 saw.pictureChanged = (await picture()) !== atRest;
 
-await drag(0, 4);
-saw.rate = await page.evaluate(() => window.physgnn.link.rate());
-saw.latencyMs = await page.evaluate(() => window.physgnn.link.latencyMs);
+await page.evaluate(() => { window.physgnn.link.drawnIn = []; });
+await drag(0, SECONDS);
+const drawn = await page.evaluate(() => window.physgnn.link.drawnIn);
+saw.rate = drawn.length / SECONDS;
+saw.latencyMs = drawn.sort((a, b) => a - b)[Math.floor(drawn.length / 2)];
 await answered("network");
 
 const downloads = {};

@@ -2,7 +2,8 @@
 
 Set PHYSGNN_PLAYWRIGHT to the folder of playwright-core (``npm install playwright-core``
 anywhere; the folder is node_modules/playwright-core), PHYSGNN_CHROMIUM if Chromium is
-not on the path. PHYSGNN_VIEW_RUN names a trained run to measure instead of the block.
+not on the path. PHYSGNN_VIEW_RUN names a trained run to show instead of the block;
+empty means the bundled model.
 """
 
 import json
@@ -42,7 +43,7 @@ def browser_tools() -> tuple[str, str, str]:
 @pytest.fixture(scope="module")
 def shown(viewed: Viewed) -> Viewed:
     run = os.environ.get("PHYSGNN_VIEW_RUN")
-    return viewed if run is None else view(run)
+    return viewed if run is None else view(run or None)
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +64,7 @@ def saw(shown: Viewed, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
     assert done.returncode == 0, done.stderr
     seen: dict[str, Any] = json.loads(done.stdout)
     seen["busy"] = busy
-    print(f"{seen['rate']} answers/s, {seen['latencyMs']:.0f} ms latency")
+    print(f"{seen['rate']:.1f} answers/s, {seen['latencyMs']:.0f} ms latency")
     return seen
 
 

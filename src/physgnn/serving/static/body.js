@@ -15,6 +15,7 @@ export class BodyView {
     this.displacement = null;
     this.values = null;
     this.inside = [];
+    this.ghosts = [];
     const { points } = arrays;
     this.exposed = arrays.exposed;
     this.brain = new Surface(points, arrays["faces:brain"], { exposed: arrays.exposed });
@@ -25,9 +26,10 @@ export class BodyView {
       const colour = INSIDE[name.slice(6)] ?? OTHER;
       const part = new Surface(points, faces, { colour });
       this.add(part.geometry, tissue(), 0);
-      this.scene.add(ghost(part));
+      this.ghosts.push(ghost(part));
       this.inside.push(part);
     }
+    this.scene.add(...this.ghosts);
     this.section = null;
     this.arrow = new Arrow(size);
     this.scene.add(this.arrow.group);
@@ -124,6 +126,11 @@ export class BodyView {
   isCutAway(place) {
     const plane = this.front.material.uniforms.plane.value;
     return place.dot(plane) > plane.w; // of a Vector4, dot takes x, y and z
+  }
+
+  /** Leave out what costs time and says little while things move. */
+  setSharp(is) {
+    for (const part of [this.back, ...this.ghosts]) part.visible = is;
   }
 
   style({ opacity, plane, patch }) {

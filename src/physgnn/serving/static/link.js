@@ -13,6 +13,7 @@ export class Link {
     this.next = null; // makes the newest push, which waits for its turn
     this.arrivals = [];
     this.latencyMs = null;
+    this.drawnIn = null; // a list gets the latency of every answer drawn
     this.id = 0;
     this.connect();
   }
@@ -82,6 +83,7 @@ export class Link {
     const now = performance.now();
     this.latencyMs = now - when;
     this.arrivals.push(now);
+    this.drawnIn?.push(this.latencyMs);
   }
 
   /** Answers drawn in the last second. */

@@ -228,7 +228,7 @@ function placeForceLabel() {
   $("force-label").hidden = tail === null;
   if (tail === null) return;
   const { x, y } = stage.toScreen(tail);
-  $("force-label").textContent = `${load.newton.toFixed(2)} N`;
+  panel.write("force-label", `${load.newton.toFixed(2)} N`);
   $("force-label").style.transform = `translate(${x + 14}px, ${y - 30}px)`;
 }
 

@@ -8,6 +8,11 @@ const READ_MS = 100; // numbers that change faster can't be read, and cost time
 
 export const NAMES = { network: "Network", linear: "Linear", "finite elements": "Finite elements" };
 
+/** Set a text that often stays as it is: the same again would still be laid out anew. */
+export function write(id, text) {
+  if ($(id).textContent !== text) $(id).textContent = text;
+}
+
 /** Fill a group of radio buttons; `options` is a list of [value, label, enabled]. */
 export function choices(id, options, chosen, onChoose) {
   $(id).replaceChildren(...options.map(([value, label, enabled = true]) => {

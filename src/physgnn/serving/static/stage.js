@@ -118,7 +118,7 @@ export class Stage {
   setSharp(is) {
     const finest = this.drawsItself ? FINE : 1; // more pixels instead of smoothing
     this.setRatio((is ? finest : COARSE) * this.pixelRatio);
-    for (const view of this.views) view.back.visible = is;
+    for (const view of this.views) view.setSharp(is);
   }
 
   setRatio(ratio) {

@@ -5,7 +5,7 @@ import { TISSUE } from "./colours.js";
 import { average, normals, round, subdivision } from "./smooth.js";
 
 const LEVELS = 1; // a second is hardly seen, and slow where the processor draws
-const MAX_FACES = 8000; // a finer surface is round enough as it is
+const MAX_FACES = 2000; // a finer surface is round enough as it is
 const BLURS = 8; // of the border of what is exposed
 
 export class Surface {
