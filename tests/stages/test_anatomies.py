@@ -38,7 +38,7 @@ def test_too_many_failures_and_no_count_are_refused(
         raise InputError("the tumour reaches the cortex")
 
     monkeypatch.setattr(anatomies, "build_anatomy", fail)
-    with pytest.raises(InputError, match="only 0 of 2 .* reaches the cortex"):
+    with pytest.raises(InputError, match=r"only 0 of 2 .* reaches the cortex"):
         make_anatomies(tmp_path, 2)
     with pytest.raises(InputError, match="count must be"):
         make_anatomies(tmp_path, 0)
