@@ -8,7 +8,7 @@ from physgnn.learning.lifted import LiftedModel
 from physgnn.learning.models import build_model
 from physgnn.learning.run_record import trained_meshes
 
-OF_THE_BODY = ("mesh_hash", "materials", "format_version")  # written anew by save
+OF_THE_BODY = ("mesh_hash", "element", "materials", "format_version")  # written anew by save
 
 
 def adapt(checkpoint: Checkpoint, body: Body, forces: FloatArray) -> Checkpoint:

@@ -9,6 +9,7 @@ from typing import Any, Self
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 
+from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
@@ -53,6 +54,7 @@ class Checkpoint:
         record = {
             "format_version": FORMAT_VERSION,
             "mesh_hash": body.mesh.content_hash,
+            "element": body.element,
             "materials": {
                 str(region): material_to_config(material)
                 for region, material in body.materials.items()
@@ -88,7 +90,8 @@ class Checkpoint:
             int(region): material_from_config(values)
             for region, values in record["materials"].items()
         }
-        body = Body(mesh, materials, mesh.point_set(FIXED))
+        element = record.get("element", DEFAULT_ELEMENT)
+        body = Body(mesh, materials, mesh.point_set(FIXED), element)
         config = record["config"]
         model = build_model(config["model"], body, **config["options"])
         try:

@@ -34,6 +34,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,19 +91,8 @@ class Body:
 
     @classmethod
     def of(cls, store: Store) -> "Body":
-        """Return the body a store's samples were computed on.
-
-        Raises
-        ------
-        InputError
-            If its elements are not those that predictions compute with.
-        """
-        if store.element != "tet4":
-            raise InputError(
-                f"networks learn from datasets of tet4 elements (this one has "
-                f"{store.element}): their linear and repaired answers are tet4's"
-            )
-        return cls(store.mesh, store.materials, store.fixed)
+        """Return the body a store's samples were computed on."""
+        return cls(store.mesh, store.materials, store.fixed, store.element)
 
     @cached_property
     def graph(self) -> Graph:
@@ -114,6 +104,8 @@ class Model(nn.Module, ABC):
     """A network bound to a body; see the module's text for what each method owes."""
 
     body: Body
+    elements: ClassVar[tuple[str, ...]] = (DEFAULT_ELEMENT,)
+    """Those that it computes with."""
 
     @abstractmethod
     def fit(self, store: Store, samples: IntArray) -> None:

@@ -23,6 +23,7 @@ from physgnn.learning.lifted_network import LiftedNetwork, Patch
 from physgnn.learning.mesh_gradient import points_within
 from physgnn.learning.modes import leading_modes
 from physgnn.learning.perturbation import Perturbation
+from physgnn.mechanics.element import ELEMENTS
 from physgnn.mechanics.loads import LoadCase
 
 FloatArray = NDArray[np.float64]
@@ -50,6 +51,7 @@ class LiftedModel(Model):
         and then nothing learnt belongs to this body alone.
     """
 
+    elements = ELEMENTS
     axes: Tensor
     free: Tensor
     anchor_states: Tensor

@@ -4,7 +4,7 @@ How a network plugs in is written in :mod:`physgnn.learning.interface`.
 """
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from physgnn.errors import InputError
@@ -14,7 +14,7 @@ from physgnn.learning.lifted import LiftedModel
 from physgnn.learning.physgnn_model import PhysGNNModel
 from physgnn.learning.reduced import ReducedModel
 
-MODELS: Mapping[str, Callable[..., Model]] = {
+MODELS: Mapping[str, type[Model]] = {
     "galerkin": GalerkinModel,
     "lifted": LiftedModel,
     "physgnn": PhysGNNModel,
@@ -38,9 +38,16 @@ def build_model(name: str, body: Body, **options: Any) -> Model:
     Raises
     ------
     InputError
-        If there's no such model, or the model has no such option.
+        If there's no such model, the model has no such option, or doesn't know the
+        body's elements.
     """
-    return MODELS[_checked(name)](body, **resolved_options(name, options))
+    options = resolved_options(name, options)
+    if body.element not in MODELS[name].elements:
+        raise InputError(
+            f"model '{name}' knows {', '.join(MODELS[name].elements)} elements (got "
+            f"{body.element}): train model lifted, or simulate with those"
+        )
+    return MODELS[name](body, **options)
 
 
 def resolved_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:

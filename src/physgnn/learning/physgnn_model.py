@@ -12,6 +12,7 @@ from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.interface import Body, Model
 from physgnn.learning.normalization import Normalizer
 from physgnn.learning.physgnn import PhysGNN
+from physgnn.mechanics.element import ELEMENTS
 from physgnn.mechanics.loads import LoadCase
 
 IntArray = NDArray[np.int64]
@@ -32,6 +33,8 @@ class PhysGNNModel(Model):
         Fit mean and deviation to the training samples only, or, as was published, to
         the whole dataset, held-out samples included.
     """
+
+    elements = ELEMENTS
 
     def __init__(
         self,

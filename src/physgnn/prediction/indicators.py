@@ -12,6 +12,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.dataset.definition import DEFAULT_ELEMENT
+from physgnn.errors import InputError
 from physgnn.learning.interface import Body
 from physgnn.mechanics.continued import continued_force
 from physgnn.mechanics.element import make_elements
@@ -49,6 +51,8 @@ def residual_indicator(body: Body, linear: Answer | None = None) -> Indicator:
     Cells may be inverted in û (`physgnn.mechanics.continued`).
     """
     del linear
+    if body.element != DEFAULT_ELEMENT:  # stress is continued in lone cells only
+        raise InputError(f"indicator residual knows {DEFAULT_ELEMENT} elements only")
     rest = RestState(body.mesh, body.materials, body.fixed, element=body.element)
     elements = make_elements(body.mesh, body.materials, body.element)
 

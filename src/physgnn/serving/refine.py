@@ -31,7 +31,7 @@ class Refiner:
 
     def __init__(self, body: Body) -> None:
         # without the graph it may have cached, which would be sent along
-        self._body = Body(body.mesh, body.materials, body.fixed)
+        self._body = Body(body.mesh, body.materials, body.fixed, body.element)
         self._turn = asyncio.Lock()
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
