@@ -60,6 +60,57 @@ def test_measured_points_become_a_deformed_image(
     assert heights[1] < heights[0] - 1.0
 
 
+def test_a_measured_surface_becomes_a_deformed_label_map(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = block_mesh(4, side=80.0)
+    case, cloud, toml, out = (
+        tmp_path / name for name in ("case.vtu", "c.csv", "m.toml", "labels.nii")
+    )
+    write_mesh(case, body)
+    top = body.points[body.point_set("loaded")]
+    np.savetxt(cloud, top - [0, 0, 6], delimiter=",")
+    toml.write_text('[materials.brain]\ntissue = "brain-ogden"\n')
+    how = ("--skull", "sliding", "--materials", toml, "--as", "labels", "-o", out)
+    run("register", case, "--surface", cloud, *how)
+    said = capsys.readouterr().out
+    assert "mm at most (90% of cases)" in said
+    labels = read_image(out)
+    assert set(np.unique(labels.data)) == {0, 1, 2}
+    highest = labels.grid.to_world(np.argwhere(labels.data))[:, 2].max()
+    assert 72.0 < highest < 78.0
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (("--points", "m.csv", "--surface", "m.csv", "-o", "o.vtu"), "or --surface"),
+        (("-o", "o.vtu"), "give --points"),
+        (("--points", "m.csv", "-o", "o.stl"), "written as .vtu"),
+        (("--surface", "m.csv", "-o", "o.vtu"), "must be 3 numbers"),
+        (("--points", "m.csv", "--skull", "loose", "-o", "o.vtu"), "fixed, sliding"),
+        (("--points", "m.csv", "--image", "no.nii", "-o", "o.vtu"), "no such file"),
+    ],
+)
+def test_register_says_what_is_wrong(
+    words: tuple[str, ...],
+    hint: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    body = block_mesh(2, side=80.0)
+    write_mesh("case.vtu", body)
+    top = body.points[body.point_set("loaded")]
+    np.savetxt("m.csv", np.hstack([top, top]), delimiter=",")
+    with pytest.raises(AssertionError, match="2"):
+        run("register", "case.vtu", *words)
+    said = capsys.readouterr().err
+    assert hint in said and "Traceback" not in said
+    assert not (tmp_path / "o.vtu").exists()
+
+
 def test_a_mistake_is_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

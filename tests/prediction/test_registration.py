@@ -147,9 +147,10 @@ def test_a_surface_without_correspondence_tells_of_the_depth(
     lag = (found.prediction.displacement - u)[top]
     assert np.abs(lag[:, 2]).mean() < NOISE
     assert found.misfit_mm == pytest.approx(NOISE, rel=0.25)
-    pairs = registrar(measured(body, u, 2), noise_mm=NOISE).prediction
+    # what slides within it is not seen, and the bound says so
     estimate = found.prediction.error_estimate_mm
-    assert estimate.mean_mm > pairs.error_estimate_mm.mean_mm
+    assert estimate is not None
+    assert error.mean() < estimate.mean_mm and error.max() < estimate.max_mm
 
 
 def test_a_skull_that_lets_slide_is_found_by_the_registration_that_knows(
