@@ -10,8 +10,10 @@ from physgnn.evaluation.held_out import HeldOut
 from physgnn.evaluation.level_interpolation import LevelInterpolation
 from physgnn.evaluation.rows import Row
 from physgnn.learning.interface import Body
+from physgnn.learning.models import FITTED, build_model
 from physgnn.prediction.classical import REGRESSORS, regressor_answer
 from physgnn.prediction.linear import linear_answer
+from physgnn.prediction.network import network_answer
 from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import Predictor
 
@@ -71,11 +73,21 @@ def _regressor(name: str) -> Baseline:
     return Baseline(make, _has_examples, learns=True, draws=True)
 
 
+def _fitted(name: str) -> Baseline:
+    def make(held_out: HeldOut, _: int) -> Predict:
+        model = build_model(name, Body.of(held_out.store))
+        model.fit(held_out.store, held_out.train)
+        return Predictor(model.body, network_answer(model))
+
+    return Baseline(make, _has_examples, learns=True)
+
+
 BASELINES: Mapping[str, Baseline] = {
     "zero": Baseline(_zero),
     "linear": Baseline(_linear),
     "level_interpolation": Baseline(_interpolation, _knows_paths),
     **{name: _regressor(name) for name in REGRESSORS},
+    **{name: _fitted(name) for name in FITTED},
 }
 QUICK = ("zero", "linear", "level_interpolation")  # made in seconds
 

@@ -126,7 +126,9 @@ def _rows(runs: Sequence[Path], held_out: HeldOut, comparison: Comparison) -> li
     """Return baselines, runs and the certified row, in the order of presentation."""
     tested = run_rows(runs, held_out.store)
     seeds = sorted({row.seed for row in tested if row.seed is not None}) or [0]
-    rows = baseline_rows(comparison.baselines, held_out, seeds=seeds)
+    names = {row.name for row in tested}  # what is tested is no baseline of itself
+    baselines = [name for name in comparison.baselines if name not in names]
+    rows = baseline_rows(baselines, held_out, seeds=seeds)
     if comparison.tolerance_mm is not None:
         first = next(row for row in tested if row.name == tested[-1].name)
         rows.append(certified(first, comparison.tolerance_mm))

@@ -19,6 +19,7 @@ MODELS = {
     "physgnn": ("PhysGNN", "#2f7fd6"),
     "lifted": ("Lifted network", "#0f9d7e"),
     "reduced": ("Reduced model", "#c2a500"),
+    "galerkin": ("POD-Galerkin", "#8c6d9e"),
     "certified": ("Certified", "#d4477e"),
     "finite_element": ("Finite elements", "#6b5b4b"),
 }
