@@ -13,6 +13,7 @@ import { Touch } from "./touch.js";
 const { $, NAMES } = panel;
 const SOLVED = "finite elements";
 const AXES = [["none", "Off"], ["sagittal", "Sag"], ["coronal", "Cor"], ["axial", "Ax"]];
+const LABEL_PX = 72; // room for the force beside its arrow
 const PATIENCE_MS = 80; // an answer draws the load too; later than this it is drawn alone
 const COLOURS = { calm: 0x45c3a6, outside: 0xf0a843 };
 
@@ -177,8 +178,9 @@ function showCaptions(names) {
 }
 
 function showSpeed() {
-  const latency = link.latencyMs === null ? "–" : `${Math.round(link.latencyMs)} ms`;
-  $("speed").textContent = `${link.rate()} answers/s · ${latency} latency`;
+  const rate = link.rate();
+  const latency = link.latencyMs === null ? "" : `${Math.round(link.latencyMs)} ms latency`;
+  panel.write("speed", rate > 1 ? `${rate} answers/s · ${latency}` : latency);
 }
 setInterval(showSpeed, 500);
 
@@ -228,8 +230,9 @@ function placeForceLabel() {
   $("force-label").hidden = tail === null;
   if (tail === null) return;
   const { x, y } = stage.toScreen(tail);
+  const left = Math.min(x + 14, stage.canvas.clientWidth / stage.views.length - LABEL_PX);
   panel.write("force-label", `${load.newton.toFixed(2)} N`);
-  $("force-label").style.transform = `translate(${x + 14}px, ${y - 30}px)`;
+  $("force-label").style.transform = `translate(${left}px, ${y - 30}px)`;
 }
 
 function fillChoices() {
