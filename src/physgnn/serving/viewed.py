@@ -14,7 +14,7 @@ from physgnn.geometry import TetMesh
 from physgnn.learning.interface import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import Calibration
-from physgnn.prediction.indicators import INDICATORS, Indicator
+from physgnn.prediction.indicators import Indicator
 from physgnn.prediction.linear import linear_answer
 from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import Predictor
@@ -99,7 +99,7 @@ def view_run(run: Path, title: str) -> Viewed:
         answers={"network": network, "linear": Predictor(body, linear)},
         exposed=exposed,
         calibration=calibration,
-        indicator=calibration and INDICATORS[calibration.indicator](body, linear),
+        indicator=network.indicate if calibration else None,
     )
 
 
