@@ -31,7 +31,10 @@ def test_plain_operators_give_the_same(
 
 
 def test_onnxruntime_gives_the_same(store: Store, tmp_path: Path) -> None:
-    onnxruntime = pytest.importorskip("onnxruntime", reason="extra [onnx] missing")
+    onnxruntime, *_ = (
+        pytest.importorskip(module, reason="extra [onnx] missing")
+        for module in ("onnxruntime", "onnx", "onnxscript")
+    )
     torch.manual_seed(0)
     model = build_model("physgnn", Body.of(store), width=8).eval()
     model.fit(store, store.samples())

@@ -18,7 +18,7 @@ from physgnn.mechanics.load_paths import cone_paths
 from physgnn.progress import Progress
 from physgnn.stages import reproduction
 from physgnn.stages.ablation import Ablation, ablate
-from physgnn.stages.reproduction import Reproduction, reproduce
+from physgnn.stages.reproduction import Reproduction, can_resume, reproduce
 
 
 @contextmanager
@@ -96,3 +96,16 @@ def test_a_part_of_the_samples_keeps_the_parts_apart(
 def test_refuses_what_makes_no_sense(wrong: dict[str, float]) -> None:
     with pytest.raises(InputError, match=next(iter(wrong))):
         Reproduction(**{"dataset": 2, "budget_hours": 1.0, **wrong})
+
+
+def test_what_ended_within_its_first_epoch_starts_again(tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    assert not can_resume(run)
+    run.mkdir()
+    (run / "run.json").write_text("{}")
+    assert not can_resume(run)
+    assert not run.exists()
+    run.mkdir()
+    (run / "last.ckpt").touch()
+    assert can_resume(run)
+    assert run.exists()

@@ -44,13 +44,22 @@ def export_onnx(run: str | Path, path: str | Path) -> None:
         raise InputError(
             f"only PhysGNN can be exported to ONNX: {run} also needs the linear solver"
         )
-    graph = model.body.graph
-    network = PlainPhysGNN(model.network, graph)
+    write_onnx(model.network, model.body.graph, path)
+
+
+def write_onnx(network: PhysGNN, graph: Graph, path: str | Path) -> None:
+    """Write a network on a mesh's graph as ONNX, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the exporter isn't installed.
+    """
     with whole_file(Path(path)) as part, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the exporter's, of its own parts
         try:
             torch.onnx.export(
-                network,
+                PlainPhysGNN(network, graph),
                 (torch.zeros(graph.n_points, 7),),
                 str(part),
                 input_names=["features"],

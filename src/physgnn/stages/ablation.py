@@ -15,6 +15,7 @@ from physgnn.io.atomic import whole_file
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.progress import Progress
+from physgnn.stages.reproduction import can_resume
 
 RESULTS = "ablation.json"
 BATCH_SIZE = {1: 4, 2: 8}  # as published
@@ -154,12 +155,13 @@ def _loss(
             "width": budget.width,
         },
         batch_size=BATCH_SIZE[dataset],
+        schedule="cosine",  # so few epochs have no plateaus
         max_epochs=budget.epochs,
         seed=seed,
     )
     out = folder / f"dataset-{dataset}-configuration-{configuration}-seed-{seed}"
-    resume = (out / "last.ckpt").exists()
-    checkpoint = train(store, budget.part_of(store), config, out, resume=resume)
+    resumed = can_resume(out)
+    checkpoint = train(store, budget.part_of(store), config, out, resume=resumed)
     return float(checkpoint.record["training"]["best_validation_loss"])
 
 
