@@ -33,11 +33,13 @@ def expansion(run: Path):
     return lambda case: model.encode(case)[:, :3].numpy().astype(np.float64) @ axes
 
 
-def measure(predictor: Predictor, store: Store, samples, log: Log) -> None:
-    """Log sizes of the true error and of every estimate of it."""
+def measure(predictor: Predictor, store: Store, samples, log: Log, end: float) -> None:
+    """Log sizes of the true error and of every estimate, until the time is up."""
     body = predictor.body
     cheap = {name: INDICATORS[name](body, predictor.linear) for name in CHEAP}
-    for path, level in log.missing(samples, "error"):
+    for path, level in samples:
+        if time.perf_counter() > end:
+            return
         case = store.load_case(path, level)
         answer = predictor.answer(case)
         start = time.perf_counter()
@@ -130,17 +132,21 @@ def main() -> None:
     parser.add_argument("store", type=Path)
     parser.add_argument("--log", type=Path, default=Path("error-bars.jsonl"))
     parser.add_argument("--per-level", type=int, default=16)
+    parser.add_argument("--seconds", type=float, default=np.inf)
     parser.add_argument("--untrained", action="store_true")
     parser.add_argument("--part", choices=("test", "validation"), default="test")
     options = parser.parse_args()
     print(machine())
     store = Store.open(options.store)
     samples = getattr(named_split("path", store), options.part)
-    predictor = Predictor.load(options.run)
-    if options.untrained:
-        predictor.answer = expansion(options.run)
     log = Log(options.log)
-    measure(predictor, store, spread(samples, options.per_level), log)
+    missing = list(log.missing(spread(samples, options.per_level), "error"))
+    end = time.perf_counter() + options.seconds
+    if missing and options.seconds > 0:
+        predictor = Predictor.load(options.run)
+        if options.untrained:
+            predictor.answer = expansion(options.run)
+        measure(predictor, store, missing, log, end)
     report(log.of("error"))
 
 
