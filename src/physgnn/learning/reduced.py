@@ -103,14 +103,19 @@ class ReducedModel(Model):
         self.forget()
 
     def _far_apart(self, store: Store, samples: IntArray) -> IntArray:
-        paths = [store.load_path(int(path)) for path in np.unique(samples[:, 0])]
-        nodes = np.unique(np.concatenate([path.nodes for path in paths]))
+        numbers, path = np.unique(samples[:, 0], return_inverse=True)
+        paths = [store.load_path(int(number)) for number in numbers]
+        nodes = np.unique(np.concatenate([each.nodes for each in paths]))
         distance = LoadDistance(self.body, nodes)
-        forces = np.zeros((len(samples), len(distance.nodes), 3))
-        for force, (path, level) in zip(forces, samples.tolist(), strict=True):
-            field = store.load_case(path, level).on_points(self.body.mesh.n_points)
-            force[:] = field[distance.nodes]
-        return samples[farthest(distance.coordinates(forces), len(self.states))]
+        forces = np.zeros((len(paths), len(distance.nodes), 3))
+        for each, force in zip(paths, forces, strict=True):
+            free = np.isin(each.nodes, distance.nodes)
+            at = np.searchsorted(distance.nodes, each.nodes[free])
+            force[at] = each.forces[free]
+        # Coordinates are linear in the force: a level is a factor.
+        factor = store.load_factors[samples[:, 1], None]
+        coordinates = factor * distance.coordinates(forces)[path]
+        return samples[farthest(coordinates, len(self.states))]
 
     def forget(self) -> None:
         """Drop what was made from the anchors; it's made again when needed."""
