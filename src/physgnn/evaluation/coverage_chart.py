@@ -94,7 +94,7 @@ def _binned(
 
 def _ratio_axis(axes: Axes, values: Sequence[float]) -> None:
     axes.set_yscale("log")
+    axes.set_yticks(RATIOS)  # moves the limits
     axes.set_ylim(min(0.4, 0.9 * min(values)), max(2.5, 1.1 * max(values)))
-    axes.set_yticks(RATIOS)
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
