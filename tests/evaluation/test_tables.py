@@ -8,7 +8,7 @@ import pytest
 from physgnn.dataset.store import Store
 from physgnn.evaluation.baselines import QUICK, baseline_rows
 from physgnn.evaluation.evaluate import evaluate
-from physgnn.evaluation.formats import duration, minutes, mm, percent
+from physgnn.evaluation.formats import duration, minutes, mm, percent, with_spread
 from physgnn.evaluation.held_out import HeldOut
 from physgnn.evaluation.published_tables import extremes_table, protocol_table
 from physgnn.evaluation.result import Report
@@ -48,6 +48,13 @@ def test_per_cent_never_rounds_up_to_all() -> None:
 def test_durations() -> None:
     assert (duration(0.0123), duration(12.34)) == ("12.3 ms", "12.3 s")
     assert (minutes(0.0), minutes(2.51), minutes(44)) == ("—", "2.5 min", "44 min")
+
+
+def test_a_spread_has_the_decimals_of_its_mean() -> None:
+    assert with_spread("0.750", 0.0099) == "0.750 ± 0.010"
+    assert with_spread("77.6 %", 0.0021) == "77.6 ± 0.2 %"
+    assert with_spread("134", 12.3) == "134 ± 12"
+    assert with_spread("< 0.0001", 0.1) == "< 0.0001"
 
 
 def test_every_row_is_as_wide_as_its_header(report: Report) -> None:

@@ -26,6 +26,19 @@ def percent(share: float) -> str:
     return f"{100 * share:.{decimals}f} %"
 
 
+def with_spread(mean: str, std: float) -> str:
+    """Return a written mean with ± a standard deviation of as many decimals.
+
+    Per cent stay per cent: ("77.6 %", 0.002) gives 77.6 ± 0.2 %.
+    """
+    number, _, unit = mean.partition(" ")
+    if not number[0].isdigit():
+        return mean  # "< 0.0001": there is no place for a spread
+    decimals = len(number.partition(".")[2])
+    scaled = 100 * std if unit == "%" else std
+    return f"{number} ± {scaled:.{decimals}f} {unit}".rstrip()
+
+
 def duration(seconds: float) -> str:
     """Return a time in the unit that suits it."""
     if seconds < 1:

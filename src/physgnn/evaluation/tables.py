@@ -5,7 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physgnn.evaluation.formats import NONE, duration, minutes, mm, percent
+from physgnn.evaluation.formats import (
+    NONE,
+    duration,
+    minutes,
+    mm,
+    percent,
+    with_spread,
+)
 from physgnn.evaluation.metrics import LOADED_REGION_MM
 from physgnn.evaluation.result import ModelErrors, Report
 from physgnn.evaluation.style import label
@@ -49,10 +56,11 @@ class Table:
 
 @dataclass(frozen=True)
 class Column:
-    """One number of a predictor, and how to write it."""
+    """One number of a predictor, how to write it, and whether seeds may differ."""
 
     value: Callable[[ModelErrors], float | None]
     text: Callable[[float], str] = mm
+    spreads: bool = True
 
     def cell(self, seeds: Sequence[ModelErrors]) -> str:
         """Return the mean over seeds, with their standard deviation if several."""
@@ -60,9 +68,9 @@ class Column:
         if not values:
             return NONE
         mean = self.text(float(np.mean(values)))
-        if len(values) == 1 or mean == NONE:
+        if len(values) == 1 or not self.spreads:
             return mean
-        return f"{mean} ± {self.text(float(np.std(values, ddof=1)))}"
+        return with_spread(mean, float(np.std(values, ddof=1)))
 
 
 def group_label(seeds: Sequence[ModelErrors]) -> str:
@@ -88,8 +96,8 @@ ACCURACY: Mapping[str, Column] = {
     "relative": Column(lambda m: m.summary.relative_mean, percent),
     "loaded region": Column(_region("loaded_region")),
     "tumour": Column(_region("tumour")),
-    "time": Column(lambda m: m.summary.median_seconds, duration),
-    "training": Column(lambda m: m.minutes, minutes),
+    "time": Column(lambda m: m.summary.median_seconds, duration, spreads=False),
+    "training": Column(lambda m: m.minutes, minutes, spreads=False),
 }
 
 
