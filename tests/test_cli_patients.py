@@ -1,0 +1,81 @@
+"""The commands for a patient never seen, as a user types them."""
+
+from pathlib import Path
+
+import pytest
+
+from meshes import block_mesh
+from physgnn.cli import main
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io import write_mesh
+
+LOADS = """
+[loads]
+total_force_n = 0.02
+levels = 2
+paths = 3
+"""
+TRAINING = """
+model = "lifted"
+max_epochs = 1
+[options]
+anchors = 2
+reach = 1
+width = 8
+layers = 1
+modes = 0
+"""
+
+
+def run(*words: object) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["physgnn", *map(str, words)])
+        try:
+            main()
+        except SystemExit as end:
+            assert end.code == 0, end.code
+
+
+def fails(*words: object) -> None:
+    with pytest.raises(AssertionError, match="2"):
+        run(*words)
+
+
+def write_patient(path: Path, stretch: float) -> Path:
+    mesh = block_mesh(3, jitter=0.1)
+    points = mesh.points * [1.0, 1.3, stretch]
+    write_mesh(path, TetMesh(points, mesh.cells, mesh.region, mesh.point_sets))
+    return path
+
+
+def test_from_a_family_to_a_new_patient(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    loads, training = tmp_path / "loads.toml", tmp_path / "training.toml"
+    loads.write_text(LOADS)
+    training.write_text(TRAINING)
+    stores = []
+    for k, stretch in enumerate((0.8, 1.7, 2.2)):
+        case = write_patient(tmp_path / f"{k}.vtu", stretch)
+        stores.append(tmp_path / f"{k}.zarr")
+        run("simulate", case, "--loads", loads, "--workers", 1, "-o", stores[-1])
+    family, new = tmp_path / "run", tmp_path / "new"
+    run("train", *stores, "--config", training, "-o", family)
+    case = write_patient(tmp_path / "new.vtu", 1.5)
+    fails("adapt", family, case, "-o", new)
+    assert "give --preset or --loads" in capsys.readouterr().err
+    run("adapt", family, case, "--loads", loads, "-o", new)
+    assert "error bounds that hold for 50 % of new patients" in capsys.readouterr().out
+    tuned = tmp_path / "tuned"
+    run("train", stores[0], "--from", family, "--config", training, "-o", tuned)
+    fails(
+        "train", *stores, "--config", training, "--split", "node", "-o", tmp_path / "x"
+    )
+    assert "split mesh only" in capsys.readouterr().err
+
+
+def test_a_family_has_members(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fails("anatomies", "--count", 0, "-o", tmp_path)
+    assert "count must be ≥ 1" in capsys.readouterr().err
