@@ -21,6 +21,7 @@ from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solver import SolverOptions, solve
 from physgnn.prediction.predictor import Predictor
+from physgnn.stages.training import train
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 PUSH = np.array([[2e-2, 1e-2, -4e-2]])
@@ -158,3 +159,13 @@ def test_several_bodies_are_refused(store: Store, split: Split, tmp_path: Path) 
     config = TrainingConfig(model="reduced")
     with pytest.raises(InputError, match="one dataset"):
         fit([store, store], [split, split], config, tmp_path / "run")
+
+
+def test_the_stage_behind_the_command_fits_and_calibrates(
+    store: Store, tmp_path: Path
+) -> None:
+    config = TrainingConfig(model="reduced", options={"anchors": 2})
+    train(store.path, "path", config, tmp_path / "run")
+    case = store.load_case(0, 1)
+    prediction = Predictor.load(tmp_path / "run")(case)
+    assert prediction.error_estimate_mm is not None
