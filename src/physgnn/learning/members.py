@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from torch import Tensor
-from torch.utils.data import Dataset, Sampler
+from torch.utils.data import DataLoader, Dataset, Sampler
 
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
@@ -16,6 +16,7 @@ from physgnn.errors import InputError
 from physgnn.learning.batches import ALONE, EpochOrder, Samples, Share
 from physgnn.learning.interface import Body, Model
 from physgnn.learning.models import build_model
+from physgnn.learning.sample_cache import SampleCache
 from physgnn.learning.training_config import TrainingConfig
 
 Stores = Store | Sequence[Store]
@@ -62,6 +63,43 @@ def build_models(
     for other in others:
         other.share_weights(first)
     return models
+
+
+def fitted_samples(
+    members: Sequence[Member], models: Sequence[Model], caches: Sequence[SampleCache]
+) -> tuple[list[Samples], list[Samples]]:
+    """Fit each model's statistics; return training and validation samples by member.
+
+    Of several, the samples are encoded here, member by member, so that what encoding
+    keeps in memory is that of one body at a time.
+    """
+    training, validation = [], []
+    for (store, split), model, cache in zip(members, models, caches, strict=True):
+        model.fit(store, split.train if len(split.train) else split.validation)
+        training.append(Samples(store, split.train, model, cache))
+        validation.append(Samples(store, split.validation, model, cache))
+        if len(members) > 1:
+            for samples in (training[-1], validation[-1]):
+                for i in range(len(samples)):
+                    samples[i]
+            model.release()
+    return training, validation
+
+
+def training_batches(
+    parts: Sequence[Samples], batch_size: int, seed: int, share: Share
+) -> DataLoader[MemberBatch]:
+    """Return shuffled batches, another order every epoch."""
+    order = MixedOrder([len(part) for part in parts], batch_size, seed, share)
+    return DataLoader(Together(parts), batch_sampler=order)
+
+
+def validation_batches(
+    parts: Sequence[Samples], batch_size: int, share: Share
+) -> DataLoader[MemberBatch]:
+    """Return this process's share of the samples in order."""
+    order = in_order([len(part) for part in parts], batch_size, share)
+    return DataLoader(Together(parts), batch_sampler=order)
 
 
 class Together(Dataset[MemberBatch]):

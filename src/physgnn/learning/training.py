@@ -13,26 +13,23 @@ from lightning.pytorch import Callback, Trainer
 from lightning.pytorch.callbacks import EarlyStopping, ModelCheckpoint
 from lightning.pytorch.loggers import TensorBoardLogger
 from torch import Tensor
-from torch.utils.data import DataLoader, default_collate
+from torch.utils.data import default_collate
 
 from physgnn.errors import InputError
 from physgnn.learning.batches import Samples, Share
 from physgnn.learning.budget import Budget
 from physgnn.learning.callbacks import KeepBest, MetricsFile, Report
 from physgnn.learning.checkpoint import RECORD, Checkpoint
-from physgnn.learning.interface import Model
 from physgnn.learning.lightning_module import VALIDATION_LOSS, TrainingModule
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.members import (
-    Member,
-    MemberBatch,
-    MixedOrder,
     Splits,
     Stores,
-    Together,
     build_models,
-    in_order,
+    fitted_samples,
     members_of,
+    training_batches,
+    validation_batches,
 )
 from physgnn.learning.memory import samples_at_once
 from physgnn.learning.model_card import write_model_card
@@ -88,7 +85,6 @@ def train(
     resume : bool
         Continue from the last finished epoch; to rounding, the result is that of a
         run never interrupted.
-
     start : Checkpoint, optional
         Begin with its weights, of whatever body; both models must be able to share.
 
@@ -115,14 +111,7 @@ def train(
         torch.manual_seed(config.seed)
         models = build_models(members, config, start.model if start else None)
         caches = [stack.enter_context(SampleCache(run)) for _ in models]
-        samples, held_out = (
-            [
-                Samples(member.store, getattr(member.split, part), model, cache)
-                for member, model, cache in zip(members, models, caches, strict=True)
-            ]
-            for part in ("train", "validation")
-        )
-        _fit(members, models, samples, held_out)
+        samples, held_out = fitted_samples(members, models, caches)
         budget = Budget(config)
         best = KeepBest(
             lambda loss: Checkpoint(
@@ -143,8 +132,8 @@ def train(
         at_once = _at_once(samples, config)
         trainer.fit(
             TrainingModule(models, config, at_once),
-            _training_batches(samples, config, share),
-            _validation_batches(held_out, at_once, share),
+            training_batches(samples, config.batch_size, config.seed, share),
+            validation_batches(held_out, at_once, share),
             ckpt_path=run / LAST if resume else None,
             weights_only=True,
         )
@@ -163,42 +152,6 @@ def _prepare(run: Path, record: dict[str, Any], *, resume: bool) -> None:
     elif (run / RECORD).exists() or (run / LAST).exists():
         raise InputError(f"{run} holds a run already: resume it, or name another")
     run.mkdir(parents=True, exist_ok=True)
-
-
-def _fit(
-    members: Sequence[Member],
-    models: Sequence[Model],
-    *parts: Sequence[Samples],
-) -> None:
-    """Fit each model's statistics; of several, encode the samples body by body.
-
-    What encoding keeps in memory is then that of one body at a time.
-    """
-    for k, (member, model) in enumerate(zip(members, models, strict=True)):
-        used = [member.split.train, member.split.validation]
-        model.fit(member.store, used[0] if len(used[0]) else used[1])
-        if len(models) > 1:
-            for samples in (part[k] for part in parts):
-                for i in range(len(samples)):
-                    samples[i]
-            model.release()
-
-
-def _training_batches(
-    parts: Sequence[Samples], config: TrainingConfig, share: Share
-) -> DataLoader[MemberBatch]:
-    """Return shuffled batches, another order every epoch."""
-    sizes = [len(part) for part in parts]
-    order = MixedOrder(sizes, config.batch_size, config.seed, share)
-    return DataLoader(Together(parts), batch_sampler=order)
-
-
-def _validation_batches(
-    parts: Sequence[Samples], batch_size: int, share: Share
-) -> DataLoader[MemberBatch]:
-    """Return this process's share of the samples in order."""
-    order = in_order([len(part) for part in parts], batch_size, share)
-    return DataLoader(Together(parts), batch_sampler=order)
 
 
 def is_first_process() -> bool:
