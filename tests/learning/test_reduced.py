@@ -1,5 +1,6 @@
 """What the reduced model must be, and that it runs as every model does."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.fitting import fit
 from physgnn.learning.interface import Body
 from physgnn.learning.load_distance import LoadDistance, farthest
+from physgnn.learning.models import FITTED, build_model
 from physgnn.learning.reduced import ReducedModel
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.mechanics.loads import LoadCase, LoadPath
@@ -169,3 +171,10 @@ def test_the_stage_behind_the_command_fits_and_calibrates(
     case = store.load_case(0, 1)
     prediction = Predictor.load(tmp_path / "run")(case)
     assert prediction.error_estimate_mm is not None
+
+
+@pytest.mark.parametrize("name", FITTED)
+def test_averaged_elements_are_refused(block: TetMesh, name: str) -> None:
+    body = replace(body_of(block), element="tet4-averaged")
+    with pytest.raises(InputError, match="tet4"):
+        build_model(name, body)
