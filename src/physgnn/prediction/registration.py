@@ -53,14 +53,14 @@ STEP_TOLERANCE_MM = 0.02  # far below what a tracked pointer measures
 MATCHED_MM = 0.3
 N_DRAWS = 100
 # What the posterior does not know of: other materials, another line along which the
-# skull holds. Errors over their bounds at the 90th percentile of 20 to 60 simulated
-# shifts (benchmarks/registration.py --first-seed 200, run with factors of 1). Where
-# only the surface is measured, what may slide within it is overestimated.
+# skull holds. Errors over their bounds at the 90th percentile of 60 (the first) and 20
+# simulated shifts (benchmarks/registration.py --first-seed 200, run with factors of 1).
+# Where only the surface is measured, what may slide within it is overestimated.
 MODEL_ERROR: Mapping[tuple[str, str], float] = {
     ("pairs", "fixed"): 1.75,
-    ("pairs", "sliding"): 1.65,
+    ("pairs", "sliding"): 1.7,
     ("surface", "fixed"): 0.65,
-    ("surface", "sliding"): 0.6,
+    ("surface", "sliding"): 0.7,
 }
 
 
