@@ -63,7 +63,7 @@ def with_start(record: Mapping[str, Any], start: Mapping[str, Any]) -> dict[str,
 
 def trained_meshes(record: Mapping[str, Any]) -> list[str]:
     """Return the hashes of the meshes a run was trained on."""
-    return list(record["data"].get("meshes", [record["mesh_hash"]]))
+    return list(record["data"].get("meshes") or [record["mesh_hash"]])
 
 
 def with_result(
