@@ -4,8 +4,8 @@
 
 Configuration 3 of dataset 2, with a load on every point, so that nothing is pruned,
 and on the 100 points nearest to one. One thread, in seconds of its processor time, so
-that other work on the machine counts little. Memory is what the backward pass keeps of
-a forward pass, a sample. Prints a Markdown table and the exponents of growth.
+that other work on the machine counts little. Memory is what a backward pass keeps of
+the forward pass of one sample. Prints a Markdown table and the exponents of growth.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from torch import Tensor
 from fe_growth import brain
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
-from physgnn.learning.memory import MEGABYTE, measure
+from physgnn.learning.memory import MEGABYTE, kept_bytes
 from physgnn.learning.physgnn import PhysGNN
 from tables import machine, table
 
@@ -28,8 +28,7 @@ COLUMNS = (
     "points",
     "forward, all loaded, s",
     f"forward, {N_LOADED} loaded, s",
-    "MB a training sample, all loaded",
-    f"MB, {N_LOADED} loaded",
+    "training, all loaded, MB",
 )
 
 
@@ -55,14 +54,13 @@ def seconds(function: Callable[[], object], repeats: int = 3) -> float:
 
 def row_of(mesh: TetMesh) -> list[float]:
     network, graph = PhysGNN(3, 2).eval(), Graph.from_mesh(mesh)
-    times, megabytes = [], []
+    times = []
     for n_loaded in (mesh.n_points, N_LOADED):
         x = features(mesh, n_loaded)
         with torch.inference_mode():
             times.append(seconds(lambda x=x: network(x, graph)))
-        kept = measure(lambda n, x=x: network(x.repeat(n, 1, 1), graph))
-        megabytes.append(kept.a_sample / MEGABYTE)
-    return [mesh.n_points, *times, *megabytes]
+    x = features(mesh, mesh.n_points)
+    return [mesh.n_points, *times, kept_bytes(lambda: network(x, graph)) / MEGABYTE]
 
 
 def growth(sizes: Sequence[int]) -> None:
