@@ -124,5 +124,5 @@ def _states(store: Store, samples: IntArray, n_most: int) -> FloatArray:
 
 def _scaled(works: NDArray[np.float32]) -> NDArray[np.float32]:
     """Let every state count the same."""
-    size = np.linalg.norm(works.sum(axis=1, dtype=np.float64))
-    return works / np.float32(max(float(size), np.finfo(np.float32).tiny))
+    size = float(np.linalg.norm(works.sum(axis=1, dtype=np.float64)))
+    return (works / max(size, 1e-30)).astype(np.float32)

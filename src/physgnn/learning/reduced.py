@@ -129,8 +129,9 @@ class ReducedModel(Model):
         found = list(islice(self._converged(force), self.together))
         if not found:
             return as_float32(self._about(None, nodes)(force).displacement)
-        total = sum(weight for weight, _ in found)
-        return as_float32(sum(weight / total * u for weight, u in found))
+        weights = np.array([weight for weight, _ in found])
+        answers = np.stack([u for _, u in found])
+        return as_float32(np.tensordot(weights / weights.sum(), answers, axes=1))
 
     def _converged(self, force: FloatArray) -> Iterator[tuple[float, FloatArray]]:
         """Yield weights and answers about anchors, the nearest first."""
@@ -168,7 +169,7 @@ class _KnownLoads:
     """The anchors' loads, and which are near a given one."""
 
     def __init__(self, body: Body, loads: NDArray[np.float32]) -> None:
-        loaded = loads.any(axis=2)
+        loaded = (loads != 0.0).any(axis=2)
         self._used = np.flatnonzero(loaded.any(axis=1))
         self._nodes = [np.flatnonzero(loaded[k]) for k in self._used]
         self._distance = LoadDistance(body, np.flatnonzero(loaded.any(axis=0)))
@@ -185,7 +186,9 @@ class _KnownLoads:
         asked = np.flatnonzero(force.any(axis=1))
         f = self._distance.coordinates(force[None, self._distance.nodes])
         away = np.linalg.norm(self._coordinates - f, axis=1)
-        near = [(float(np.linalg.norm(f)), None, tuple(asked.tolist()))]
+        near: list[tuple[float, int | None, tuple[int, ...]]] = [
+            (float(np.linalg.norm(f)), None, tuple(asked.tolist()))
+        ]
         near += [
             (float(away[i]), int(self._used[i]), tuple(self._nodes[i].tolist()))
             for i in np.flatnonzero([np.isin(asked, at).all() for at in self._nodes])

@@ -96,7 +96,7 @@ class LocalExpansion:
         elsewhere[self._dofs] = 0.0
         self._let_go = -linear.solve(elsewhere)
         self._start = self._state[self._dofs]
-        stiffness = np.linalg.inv((G + G.T) / 2)
+        stiffness = np.linalg.inv((G + G.T) / 2).astype(np.float64)
         self._patch = _Patch.on_springs(part, moving, self._start, stiffness)
         self._balance = self._patch.force(self._start) - self._load[self._dofs]
         self._balance += self._patch.stable @ self._let_go[self._dofs]
