@@ -6,6 +6,7 @@ not on the path. PHYSGNN_VIEW_RUN names a trained run to show instead of the blo
 empty means the bundled model.
 """
 
+import asyncio
 import json
 import os
 import shutil
@@ -53,7 +54,9 @@ def saw(shown: Viewed, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
     script = Path(__file__).with_name("browse.mjs")
     downloads = tmp_path_factory.mktemp("downloads")
     busy = os.getloadavg()[0] > (os.cpu_count() or 1)
-    with serving(Engine(shown)) as address:
+    engine = Engine(shown)
+    asyncio.run(engine.warm_up())
+    with serving(engine) as address:
         url = f"{address.page}/"
         done = subprocess.run(
             [node, str(script), playwright, chromium, url, str(downloads)],

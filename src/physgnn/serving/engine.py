@@ -1,6 +1,7 @@
 """What all sessions share: the predictors, one thread for them, and the solver."""
 
 import asyncio
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -17,7 +18,8 @@ from physgnn.serving.viewed import Viewed
 
 FINITE_ELEMENTS = "finite elements"
 
-WARM_UP = (0.1, 0.3, 0.5, 0.7, 1.0)  # of the usual force
+WARM_UP = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.4, 1.8)  # of the usual force
+IDLE_SECONDS = 1.0  # warming up gives way to whoever pushes
 
 T = TypeVar("T")
 
@@ -46,6 +48,7 @@ class Engine:
         self.shown = Shown.of(viewed.body.mesh)
         self.listeners: list[Callable[[Prediction], None]] = []
         self._refiner = Refiner(viewed.body)
+        self._asked = time.monotonic() - IDLE_SECONDS
         # One thread for torch as well: OpenMP counts them for each thread apart, a
         # network this small gains nothing from more, and the browser needs a core.
         self._thread = ThreadPoolExecutor(
@@ -54,6 +57,10 @@ class Engine:
 
     async def work(self, job: Callable[[], T]) -> T:
         """Run a job in the predictors' thread."""
+        self._asked = time.monotonic()
+        return await self._in_thread(job)
+
+    async def _in_thread(self, job: Callable[[], T]) -> T:
         return await asyncio.get_running_loop().run_in_executor(self._thread, job)
 
     async def warm_up(self) -> None:
@@ -66,8 +73,14 @@ class Engine:
             force = -share * self.viewed.usual_force_n / len(exposed.nodes)
             case = LoadCase(exposed.nodes, force * exposed.normals)
             for predict in self.viewed.answers.values():
-                await self.work(partial(predict, case))
+                await self._idle()
+                await self._in_thread(partial(predict, case))
         self._refiner.start()
+
+    async def _idle(self) -> None:
+        """Wait until nobody has asked anything for a moment."""
+        while (since := time.monotonic() - self._asked) < IDLE_SECONDS:
+            await asyncio.sleep(IDLE_SECONDS - since)
 
     async def solve(self, case: LoadCase) -> Prediction:
         """Solve by finite elements in another process; cancelling kills it."""

@@ -131,6 +131,7 @@ export class BodyView {
   /** Leave out what costs time and says little while things move. */
   setSharp(is) {
     for (const part of [this.back, ...this.ghosts]) part.visible = is;
+    for (const part of [this.brain, ...this.inside]) part.setSharp(is);
   }
 
   style({ opacity, plane, patch }) {

@@ -29,7 +29,8 @@ export class Surface {
       return made.array;
     };
     [this.position, this.normal, this.colour] = ["position", "normal", "colour"].map((n) => attribute(n, 3));
-    this.geometry.setIndex(new THREE.BufferAttribute(finest, 1));
+    this.indices = [Uint32Array.from(faces), finest].map((i) => new THREE.BufferAttribute(i, 1));
+    this.setSharp(true);
     for (let i = 0; i < count; i++) this.colour.set(colour, 3 * i);
     this.move(null);
     attribute("rest", 3).set(this.position);
@@ -39,6 +40,11 @@ export class Surface {
       this.spread(border, 1);
       for (let i = 0; i < BLURS; i++) blur(border, finest);
     }
+  }
+
+  /** Whether to draw every triangle, or only those between the surface's own points. */
+  setSharp(is) {
+    this.geometry.setIndex(this.indices[is ? 1 : 0]);
   }
 
   /** Go to rest + displacement; null is the rest state. */
