@@ -39,10 +39,12 @@ class VolumePenalty(nn.Module):
     def forward(self, displacement: Tensor) -> Tensor:
         """Return the cost of displacements (batch, n_points, 3) in mm."""
         ratio = self.volume_ratio(displacement)
-        return (SMALLEST - ratio).clamp_min(0.0).square().sum(dim=-1).mean()
+        cost: Tensor = (SMALLEST - ratio).clamp_min(0.0).square().sum(dim=-1).mean()
+        return cost
 
     def volume_ratio(self, displacement: Tensor) -> Tensor:
         """Return det F of every cell, (batch, n_cells)."""
         moved = (self.points + displacement)[:, self.cells]
         a, b, c = (moved[:, :, i] - moved[:, :, 0] for i in (1, 2, 3))
-        return torch.linalg.cross(a, b).mul(c).sum(dim=-1) / self.volumes
+        ratio: Tensor = torch.linalg.cross(a, b).mul(c).sum(dim=-1) / self.volumes
+        return ratio
