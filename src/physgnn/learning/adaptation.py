@@ -8,7 +8,8 @@ from physgnn.learning.lifted import LiftedModel
 from physgnn.learning.models import build_model
 from physgnn.learning.run_record import trained_meshes
 
-OF_THE_BODY = ("mesh_hash", "element", "materials", "format_version")  # written anew by save
+# Written anew by `Checkpoint.save`.
+OF_THE_BODY = ("mesh_hash", "element", "materials", "format_version")
 
 
 def adapt(checkpoint: Checkpoint, body: Body, forces: FloatArray) -> Checkpoint:
