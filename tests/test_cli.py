@@ -122,7 +122,7 @@ def test_out_and_back(call: Call, folder: Path) -> None:
 
 
 def test_mistakes_are_one_line_and_leave_nothing(call: Call, folder: Path) -> None:
-    case, loads, out = folder / "case.vtu", folder / "loads.toml", folder / "result"
+    case, loads, out = folder / "case.vtu", folder / "loads.toml", folder / "result.vtu"
     (folder / "wrong.toml").write_text(LOADS.replace("paths", "path"))
     for arguments, message in (
         (("mesh",), "give a label map, --brain, or --mni152"),

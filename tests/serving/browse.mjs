@@ -59,12 +59,12 @@ async function drag(steps, seconds) {
   const { x, y } = await place();
   await page.mouse.move(x, y);
   await page.mouse.down();
-  const end = Date.now() + 1000 * seconds;
+  const start = Date.now(), end = start + 1000 * seconds;
   let i = 0;
   do {
     await page.mouse.move(x + 14 * Math.sin(i / 9), y + 8 * Math.cos(i / 7));
     i += 1;
-    await page.waitForTimeout(MOVE_MS);
+    await page.waitForTimeout(Math.max(start + i * MOVE_MS - Date.now(), 0)); // a mouse has a clock of its own
   } while (i < steps || Date.now() < end);
   await page.mouse.up();
 }
