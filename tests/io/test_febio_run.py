@@ -44,7 +44,7 @@ def test_levels_out_of_reach(
     """The levels before are kept, and the first that failed says why."""
     febio_stand_in.put_on_path(tmp_path / "bin", monkeypatch)
     body = (block, MATERIALS, block.point_set("fixed"))
-    path = load_path(block, 0.3)
+    path = load_path(block, 2.0)
     ours = Solver(*body).solve(path)
     good = int((ours.status == Status.CONVERGED).sum())
     assert 0 < good < 4
