@@ -16,6 +16,12 @@ ONE_THREAD = {
     "OPENBLAS_NUM_THREADS": "1",
     "NUMBA_NUM_THREADS": "1",
 }
+# Dask tells glibc to hand freed memory back at once. Every temporary array then costs
+# page faults: 426,000 a load path instead of 300, a sixth of the time.
+KEEP_MEMORY = {
+    "MALLOC_TRIM_THRESHOLD_": str(2**30),
+    "MALLOC_MMAP_THRESHOLD_": str(2**25),
+}
 
 
 @contextmanager
@@ -36,7 +42,7 @@ def connect(workers: int, scheduler: str | None) -> Iterator[Any]:
             yield client
         return
     with (
-        _environment(ONE_THREAD),
+        _environment(ONE_THREAD | KEEP_MEMORY),
         LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
