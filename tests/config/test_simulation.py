@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physgnn.config import read_point_sets, read_preset
+from physgnn.config import read_materials, read_point_sets, read_preset
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.gravity import Gravity
@@ -215,3 +215,10 @@ def test_mistakes_beyond_forces(
     with pytest.raises(InputError, match=message) as raised:
         read_preset(path).on(block)
     assert "\n" not in str(raised.value)
+
+
+def test_a_file_of_materials_must_name_some(tmp_path: Path) -> None:
+    (tmp_path / "loads.toml").write_text("[loads]\npaths = 3\n")
+    with pytest.raises(InputError, match=r"expected a table \[materials\] \(got loads"):
+        read_materials(tmp_path / "loads.toml")
+    assert read_materials(None)[0] == NeoHookean(3000.0, 0.49)

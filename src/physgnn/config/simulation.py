@@ -169,10 +169,16 @@ def read_materials(path: str | Path | None) -> dict[int, Material]:
     Raises
     ------
     InputError
-        If the file cannot be read, or a material is wrong.
+        If the file cannot be read, has no [materials], or one is wrong.
     """
-    table = {} if path is None else read_toml(path).get("materials", {})
-    return {**BRAIN_AND_TUMOUR, **_materials(table, path)}
+    if path is None:
+        return dict(BRAIN_AND_TUMOUR)
+    file = read_toml(path)
+    if "materials" not in file:
+        raise InputError(
+            f"{path}: expected a table [materials] (got {', '.join(file)})"
+        )
+    return {**BRAIN_AND_TUMOUR, **_materials(file["materials"], path)}
 
 
 def _paths(
