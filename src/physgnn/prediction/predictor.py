@@ -279,15 +279,11 @@ def calibrate_run(
     predictor = Predictor.load(run)
     quick = INDICATORS[indicator](predictor.body, predictor.linear)
     every = -(-len(split.validation) // MAX_RELAXED)
+    some = split.validation[every - 1 :: every]
     made = {}
     for file, name, measure, held_out in (
         (CALIBRATION_FILE, indicator, quick, split.validation),
-        (
-            RELAXATION_FILE,
-            RELAXATION,
-            predictor.error,
-            split.validation[every - 1 :: every],
-        ),
+        (RELAXATION_FILE, RELAXATION, predictor.error, some),
     ):
         made[file] = calibrate(
             predictor.answer,
