@@ -15,6 +15,7 @@ def test_a_run_says_what_it_is(store: Store, split: Split, tmp_path: Path) -> No
         assert f"\n## {part}\n" in card
     assert store.content_hash() in card
     assert "16 training, 4 validation and 4 test samples" in card
+    assert "of the processor: 0.0 minutes" in card
     assert "Not evaluated yet" in card
 
     write_model_card(tmp_path / "run", errors="| mean |")

@@ -79,6 +79,21 @@ def test_the_budget_in_minutes_ends_with_a_validation(
     assert len(metrics(tmp_path / "run")) == 1
 
 
+@pytest.mark.parametrize("clock", ["wall", "processor"])
+def test_the_budget_is_counted_by_a_clock_and_recorded_by_both(
+    store: Store, split: Split, tmp_path: Path, clock: str
+) -> None:
+    patient = replace(SMALL, max_epochs=10_000, early_stopping=10_000)
+    config = replace(patient, max_minutes=0.02, clock=clock)
+    spent = train(store, split, config, tmp_path / "run").record["training"]
+    by_clock = {"wall": spent["minutes"], "processor": spent["processor_minutes"]}
+    assert 0.02 <= by_clock[clock] < 0.2
+    before = by_clock["processor"]
+    longer = replace(config, max_minutes=0.03, clock="processor")
+    spent = train(store, split, longer, tmp_path / "run", resume=True).record
+    assert spent["training"]["processor_minutes"] > max(before, 0.03 - 1e-3)
+
+
 def test_cosine_lets_the_learning_rate_fall_over_the_budget(
     store: Store, split: Split, tmp_path: Path
 ) -> None:
@@ -124,6 +139,7 @@ def test_refuses_to_overwrite_or_to_resume_something_else(
         {"model": "none"},
         {"loss": "none"},
         {"schedule": "none"},
+        {"clock": "none"},
         {"batch_size": 0},
         {"learning_rate": -1.0},
         {"weight_decay": -1.0},

@@ -9,6 +9,7 @@ from typing import Any
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import WEIGHTS, check_mesh, read_record
+from physgnn.learning.run_record import processor_minutes
 from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import CALIBRATION_FILE, Predictor
 
@@ -88,7 +89,7 @@ def _run_row(run: Path, record: dict[str, Any], name: str, store: Store) -> Row:
         name,
         make=lambda: load_predictor(run, store),
         seed=record["config"]["seed"],
-        minutes=record["training"]["minutes"],
+        minutes=processor_minutes(record),
         origin=_digest(file.read_bytes() for file in files if file.is_file()),
     )
 

@@ -120,7 +120,7 @@ def accuracy_table(report: Report) -> Table:
         "and samples. Largest per sample: mean over samples. Relative: mean over "
         "samples of ‖u - û‖ / ‖u‖. Loaded region: points within "
         f"{LOADED_REGION_MM:g} mm of a loaded point. Time: median of a prediction. "
-        f"Training: what a run's record says; of others, processor time.{of_seeds}",
+        f"Training: processor time, all threads together.{of_seeds}",
     )
 
 

@@ -1,6 +1,5 @@
 """A run of a model that has no weights to train: fitted, judged and saved."""
 
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import torch
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.learning.budget import Budget
 from physgnn.learning.checkpoint import RECORD, Checkpoint
 from physgnn.learning.interface import Body, Model
 from physgnn.learning.losses import LOSSES
@@ -51,12 +51,12 @@ def fit(
     if (run / RECORD).exists():
         raise InputError(f"{run} holds a run already: name another folder")
     run.mkdir(parents=True, exist_ok=True)
-    start = time.perf_counter()
+    budget = Budget(config)
     model = build_model(config.model, Body.of(store), **config.options)
     model.fit(store, split.train)
-    minutes = (time.perf_counter() - start) / 60
+    spent = budget.spent
     loss = _mean_loss(model, store, split, config.loss, progress)
-    record = with_result(new_record(store, split, config), loss=loss, minutes=minutes)
+    record = with_result(new_record(store, split, config), loss=loss, spent=spent)
     Checkpoint(model, record).save(run)
     write_model_card(run)
     return Checkpoint.load(run)

@@ -7,6 +7,7 @@ from typing import Any
 
 from physgnn.io.atomic import whole_file
 from physgnn.learning.checkpoint import RECORD
+from physgnn.learning.run_record import processor_minutes
 
 CARD = "model_card.md"
 
@@ -54,6 +55,7 @@ def card(record: Mapping[str, Any], errors: str | None = None) -> str:
                 "learning rate": f"{config['learning_rate']:g}, {config['schedule']}",
                 "seed": config["seed"],
                 "minutes spent": f"{training['minutes']:.1f}",
+                "of the processor": f"{processor_minutes(record):.1f} minutes",
                 "lowest validation loss": f"{training['best_validation_loss']:.4g}",
                 **record["versions"],
             }

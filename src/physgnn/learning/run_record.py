@@ -18,7 +18,7 @@ from physgnn.learning.models import resolved_options
 from physgnn.learning.training_config import TrainingConfig
 
 VERSIONED = ("physgnn", "torch", "lightning", "numpy")
-EXTENDABLE = {"max_epochs", "max_minutes", "memory_mb"}
+EXTENDABLE = {"clock", "max_epochs", "max_minutes", "memory_mb"}
 
 
 def new_record(
@@ -67,11 +67,34 @@ def trained_meshes(record: Mapping[str, Any]) -> list[str]:
 
 
 def with_result(
-    record: Mapping[str, Any], *, loss: float, minutes: float
+    record: Mapping[str, Any], *, loss: float, spent: Mapping[str, float]
 ) -> dict[str, Any]:
-    """Return the record with what training reached and what it cost."""
-    training = {"best_validation_loss": loss, "minutes": round(minutes, 3)}
+    """Return the record with what training reached and what it cost.
+
+    Parameters
+    ----------
+    record : mapping
+        That of `new_record`.
+    loss : float
+        The lowest validation loss.
+    spent : mapping
+        Minutes by the wall clock, ``wall``, and of the processor, ``processor``.
+    """
+    training = {
+        "best_validation_loss": loss,
+        "minutes": round(spent["wall"], 3),
+        "processor_minutes": round(spent["processor"], 3),
+    }
     return {**record, "training": training}
+
+
+def processor_minutes(record: Mapping[str, Any]) -> float:
+    """Return what a run's training took of the processor, all threads together.
+
+    Of runs that did not count it, their minutes by the wall clock.
+    """
+    training = record["training"]
+    return float(training.get("processor_minutes", training["minutes"]))
 
 
 def check_same_run(run: Path, record: Mapping[str, Any]) -> None:

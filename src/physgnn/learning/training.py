@@ -109,13 +109,13 @@ def train(
         stack.enter_context(_quiet())
         stack.enter_context(torch.random.fork_rng(devices=[]))
         torch.manual_seed(config.seed)
+        budget = Budget(config)
         models = build_models(members, config, start.model if start else None)
         caches = [stack.enter_context(SampleCache(run)) for _ in models]
         samples, held_out = fitted_samples(members, models, caches)
-        budget = Budget(config)
         best = KeepBest(
             lambda loss: Checkpoint(
-                models[0], with_result(record, loss=loss, minutes=budget.minutes)
+                models[0], with_result(record, loss=loss, spent=budget.spent)
             ).save(run)
         )
         schedule = SCHEDULES[config.schedule](config, budget)
@@ -137,7 +137,7 @@ def train(
             ckpt_path=run / LAST if resume else None,
             weights_only=True,
         )
-    result = with_result(record, loss=best.loss, minutes=budget.minutes)
+    result = with_result(record, loss=best.loss, spent=budget.spent)
     if trainer.is_global_zero:
         Checkpoint(Checkpoint.load(run).model, result).save(run)
         write_model_card(run)

@@ -9,6 +9,7 @@ from physgnn.learning.losses import LOSSES
 from physgnn.learning.models import MODELS
 
 SCHEDULE_NAMES = ("plateau", "cosine")
+CLOCK_NAMES = ("wall", "processor")
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,9 @@ class TrainingConfig:
         Stop after so many epochs.
     max_minutes : float or None
         Stop after so many minutes, those before a resume included.
+    clock : {"wall", "processor"}
+        What counts them; processor time is that of all threads, and does not depend on
+        what else the machine does.
     memory_mb : float
         What a step may take. A batch that doesn't fit is computed in parts, and what
         can be is computed twice: the result is the same, at up to 1.5 times the cost.
@@ -66,12 +70,14 @@ class TrainingConfig:
     early_stopping: int = 15
     max_epochs: int = 1000
     max_minutes: float | None = None
+    clock: str = "wall"
     memory_mb: float = 768.0
     seed: int = 0
 
     def __post_init__(self) -> None:
         for name, choices in (
-            ("model", MODELS), ("loss", LOSSES), ("schedule", SCHEDULE_NAMES)
+            ("model", MODELS), ("loss", LOSSES), ("schedule", SCHEDULE_NAMES),
+            ("clock", CLOCK_NAMES),
         ):  # fmt: skip
             if getattr(self, name) not in choices:
                 raise InputError(
