@@ -65,6 +65,7 @@ def test_results_survive(new_store: NewStore, made_up: MadeUp) -> None:
     assert again.displacement(3).dtype == np.float32
     assert again.message(1) == "limit point — at 0.9"
     assert again.message(3) == ""
+    assert again.messages() == {1: "limit point — at 0.9"}
     assert again.status[1, 2] == Status.LIMIT_POINT
     assert again.seconds[3] == whole.seconds
     assert np.isnan(again.residual[0]).all()

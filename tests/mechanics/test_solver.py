@@ -15,7 +15,10 @@ from physgnn.mechanics import (
     Status,
     solve,
 )
+from physgnn.mechanics.assembly import assemble_tangent, make_pattern
 from physgnn.mechanics.element import internal_force, make_elements, strain_energy
+from physgnn.mechanics.linear_solver import make_linear_solver
+from physgnn.mechanics.newton import Newton
 
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
 FACTORS = np.arange(1, 11) / 10
@@ -190,3 +193,22 @@ def test_febio_agrees_at_every_node_and_level(shared, case):
     ours = solution.displacement[stored["levels"] - 1]
     difference = np.linalg.norm(ours - stored["displacement"], axis=2)
     assert difference.max() < 2e-4, "the issue asks for 1e-3 mm"
+
+
+def test_a_path_that_turns_back_falls_to_the_next_stable_equilibrium():
+    """A point force draws its cells out; past a limit point they give way at once."""
+    mesh = block_mesh(4)
+    force = 0.15 * np.array([0.552, -0.006, -0.834])
+    path = LoadPath(np.array([64]), force[None], np.arange(1, 31) / 30)
+    solution = solve(mesh, path, materials=MATERIALS)
+    assert solution.converged and solution.reached == 1.0
+    assert solution.message.startswith("snapped through at load factor 0.9")
+    moved = np.linalg.norm(np.diff(solution.displacement, axis=0), axis=2).max(axis=1)
+    assert moved[26] > 5 * moved[25], "between levels 27 and 28"
+    newton, elements = Newton(mesh, MATERIALS), make_elements(mesh, MATERIALS)
+    pattern = make_pattern(mesh.cells, mesh.n_points, mesh.point_set("fixed"))
+    for level in (26, 27, 29):
+        found = solution.displacement[level]
+        assert newton.distance(path.case(level), found) < 1e-4
+        tangent, _ = assemble_tangent(elements, pattern, found)
+        assert make_linear_solver(pattern).factorize(tangent), "stable"

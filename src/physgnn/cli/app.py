@@ -175,6 +175,8 @@ def simulate(
         f"{converged} of {store.n_paths * store.n_levels} levels converged"
     )
     print(verification_of(store))
+    for path, remark in [*store.messages().items()][:20]:
+        print(f"load path {path} {remark}")
     for path, error in list(did.errors.items())[:3]:
         say(f"load path {path}: {error}")
     if did.errors:

@@ -257,8 +257,13 @@ class Store:
         return self._read("result/reached")
 
     def message(self, i: int) -> str:
-        """Return why path ``i`` ended early; empty if it did not."""
+        """Return what there is to say of path ``i``, as `Solution.message`."""
         return bytes(self._read("result/message", i)).rstrip(b"\0").decode()
+
+    def messages(self) -> dict[int, str]:
+        """Return what there is to say of any path, by path."""
+        said = self._read("result/message").any(axis=1)
+        return {i: self.message(i) for i in np.flatnonzero(said).tolist()}
 
     def write(self, i: int, solution: Solution) -> None:
         """Store the solution of path ``i``; its status goes last."""

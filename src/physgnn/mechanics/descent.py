@@ -27,9 +27,14 @@ OVERSHOT = -0.5  # slope that is too far past the minimum, in slopes at the star
 
 
 def descend(
-    iteration: QuasiNewton, start: FloatArray, *, fallback: FloatArray
+    iteration: QuasiNewton,
+    start: FloatArray,
+    *,
+    fallback: FloatArray,
+    load_factor: float = 1.0,
+    max_steps: int = MAX_STEPS,
 ) -> Equilibrium:
-    """Descend from a start to equilibrium at load factor 1.
+    """Descend from a start to equilibrium under a load.
 
     Parameters
     ----------
@@ -40,6 +45,8 @@ def descend(
     fallback : (n_unknowns,) array
         A state whose factor serves where that of the current state is not positive
         definite: a stable equilibrium.
+    load_factor : float
+    max_steps : int
 
     Returns
     -------
@@ -47,9 +54,9 @@ def descend(
         CONVERGED once the estimated error is below the iteration's tolerance and K(u)
         there was seen to be positive definite: the equilibrium is stable.
     """
-    descent = _Descent(iteration, start, fallback)
+    descent = _Descent(iteration, start, fallback, load_factor)
     status = descent.renew()
-    for _ in range(MAX_STEPS):
+    for _ in range(max_steps):
         if status is not None:
             return Equilibrium(descent.state, status, norm(descent.r))
         status = descent.step()
@@ -60,18 +67,22 @@ class _Descent:
     """A state on its way down, and what is known of the factor in use."""
 
     def __init__(
-        self, iteration: QuasiNewton, start: FloatArray, fallback: FloatArray
+        self,
+        iteration: QuasiNewton,
+        start: FloatArray,
+        fallback: FloatArray,
+        load_factor: float,
     ) -> None:
-        self.state, (self.r, _) = start, iteration.residual(start, 1.0)
+        self.state, (self.r, _) = start, iteration.residual(start, load_factor)
         self._iteration, self._fallback = iteration, fallback
+        self._load_factor = load_factor
 
     def renew(self, *, prove: bool = False) -> Status | None:
         """Factorise K(u), or unless it must prove u stable, that of the fallback."""
         self._size, self._since_factor = np.inf, 0
-        self._proven = self._iteration.refactorize(self.state, 1.0)
-        if self._proven or (
-            not prove and self._iteration.refactorize(self._fallback, 1.0)
-        ):
+        renewed, factor = self._iteration.refactorize, self._load_factor
+        self._proven = renewed(self.state, factor)
+        if self._proven or (not prove and renewed(self._fallback, factor)):
             return None
         return Status.LIMIT_POINT
 
@@ -79,7 +90,9 @@ class _Descent:
         """Go down one step; return how the descent ended, None if it did not."""
         iteration, previous = self._iteration, self._size
         d = iteration.direction(self.r)
-        scale, r_new = follow(iteration, self.state, d, self.r)
+        scale, r_new = follow(
+            iteration, self.state, d, self.r, load_factor=self._load_factor
+        )
         if scale == 0.0:
             return self.renew() if self._since_factor else Status.INVERTED
         iteration.remember(scale * d, self.r - r_new)
@@ -98,12 +111,17 @@ class _Descent:
 
 
 def follow(
-    iteration: QuasiNewton, state: FloatArray, d: FloatArray, r: FloatArray
+    iteration: QuasiNewton,
+    state: FloatArray,
+    d: FloatArray,
+    r: FloatArray,
+    *,
+    load_factor: float = 1.0,
 ) -> tuple[float, FloatArray]:
     """Return how far to go along a direction, 0 if nowhere, and the residual there."""
     scale, slope = 1.0, dot(d, r)  # of the energy, downwards
     for _ in range(MAX_TRIALS):
-        r_new, inverted = iteration.residual(state + scale * d, 1.0)
+        r_new, inverted = iteration.residual(state + scale * d, load_factor)
         if inverted >= 0:
             scale /= 2
             continue

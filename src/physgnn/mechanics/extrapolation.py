@@ -15,11 +15,19 @@ MAX_STATES = 8
 
 
 class PathHistory:
-    """The last few equilibria of a path, oldest first."""
+    """The last few equilibria of a path, oldest first.
 
-    def __init__(self, unknowns: int) -> None:
-        self.load_factors: list[float] = [0.0]
-        self.states: list[FloatArray] = [np.zeros(unknowns)]
+    Parameters
+    ----------
+    load_factor : float
+        Where it begins.
+    state : array
+        The equilibrium there.
+    """
+
+    def __init__(self, load_factor: float, state: FloatArray) -> None:
+        self.load_factors = [load_factor]
+        self.states = [state]
         self._n_used = 1
 
     @property

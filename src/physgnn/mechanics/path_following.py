@@ -5,11 +5,14 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.mechanics.descent import descend
 from physgnn.mechanics.extrapolation import PathHistory
 from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton
 from physgnn.mechanics.solution import Status
 
 FloatArray = NDArray[np.float64]
+
+LONGEST_FALL = 150  # steps; the snap-throughs of the published sets took up to 70
 
 
 class PathFollower:
@@ -34,7 +37,7 @@ class PathFollower:
         min_step: float,
     ) -> None:
         self._iteration, self._trend, self._min_step = iteration, trend, min_step
-        self._departures = PathHistory(iteration.pattern.n_unknowns)
+        self._departures = PathHistory(0.0, np.zeros(iteration.pattern.n_unknowns))
         self._trusted = float("inf")  # longest step to begin with, once one failed
 
     @property
@@ -89,8 +92,24 @@ class PathFollower:
             if not self._iteration.refactorize(self.state, reached):
                 return Equilibrium(found.state, Status.LIMIT_POINT, np.inf)
 
+    def fall(self, target: float) -> Equilibrium:
+        """Go to a load factor by a way that no equilibria lead along.
+
+        Where a path turns back, a body of some damping falls down in energy to another
+        equilibrium, if there is one; from there the walk goes on.
+        """
+        found = descend(
+            self._iteration,
+            self.state,
+            fallback=self.state,
+            load_factor=target,
+            max_steps=LONGEST_FALL,
+        )
+        if found.status == Status.CONVERGED:
+            departure = found.state - self._trend(target)
+            self._departures = PathHistory(target, departure)
+            self._trusted = float("inf")
+        return found
+
     def _guess(self, load_factor: float) -> FloatArray:
-        departure = self._departures
-        if len(departure.states) == 1:
-            return self._trend(load_factor)
-        return self._trend(load_factor) + departure.predict(load_factor)
+        return self._trend(load_factor) + self._departures.predict(load_factor)

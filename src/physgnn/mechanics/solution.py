@@ -53,7 +53,8 @@ class Solution:
     reached : float
         The highest load factor in equilibrium, between levels included.
     message : str
-        Why the path ended early; empty if it did not.
+        Why the path ended early, and where it snapped through to another equilibrium;
+        empty if it did neither.
     seconds : float
         Wall-clock time.
     counts : dict of str to int

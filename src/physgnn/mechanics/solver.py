@@ -16,7 +16,7 @@ from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.path_following import PathFollower
-from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton
+from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton, largest_norm
 from physgnn.mechanics.rest_state import fixed_points
 from physgnn.mechanics.solution import Solution, Status
 
@@ -145,14 +145,15 @@ def _follow(iteration: QuasiNewton, path: LoadPath, min_step: float) -> Solution
     displacement = np.zeros((path.n_levels, iteration.elements.n_points, 3))
     status = np.full(path.n_levels, Status.NOT_REACHED, dtype=np.int8)
     residual = np.full(path.n_levels, np.nan)
-    message = ""
+    remarks = []
     slope = _slope_at_rest(iteration)
     walk = PathFollower(iteration, lambda factor: factor * slope, min_step=min_step)
     for level, target in enumerate(path.load_factors.tolist()):
-        found = walk.advance(target)
+        found, remark = _advance(walk, target)
+        if remark:
+            remarks.append(remark)
         status[level] = found.status
         if found.status != Status.CONVERGED:
-            message = _explain(found, walk.reached)
             break
         displacement[level] = iteration.displacement(found.state, target)
         norm = iteration.load_norm(found.state, target)
@@ -163,7 +164,7 @@ def _follow(iteration: QuasiNewton, path: LoadPath, min_step: float) -> Solution
         residual=residual,
         load_factors=path.load_factors,
         reached=walk.reached,
-        message=message,
+        message="; ".join(remarks),
         seconds=time.perf_counter() - started,
         counts=dict(iteration.counts),
     )
@@ -180,9 +181,18 @@ def _slope_at_rest(iteration: QuasiNewton) -> FloatArray:
     return iteration.direction(iteration.residual(rest, SMALL_FACTOR)[0] / SMALL_FACTOR)
 
 
-def _explain(found: Equilibrium, reached: float) -> str:
-    where = f" (cell {found.inverted})" if found.inverted >= 0 else ""
-    return f"stopped at load factor {reached:.4f}: {found.status.remedy}{where}"
+def _advance(walk: PathFollower, target: float) -> tuple[Equilibrium, str]:
+    """Go to a load factor, along the path or beside it, and say if it wasn't along."""
+    stuck = walk.advance(target)
+    if stuck.status == Status.CONVERGED:
+        return stuck, ""
+    reached, before = walk.reached, walk.state
+    found = walk.fall(target)
+    if found.status == Status.CONVERGED:
+        way = largest_norm(found.state - before)
+        return found, f"snapped through at load factor {reached:.4f} by {way:.2g} mm"
+    where = f" (cell {stuck.inverted})" if stuck.inverted >= 0 else ""
+    return stuck, f"stopped at load factor {reached:.4f}: {stuck.status.remedy}{where}"
 
 
 def solve(
