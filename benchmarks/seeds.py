@@ -16,7 +16,8 @@ from physgnn.dataset import SPLITS, Split, Store
 from physgnn.learning.run_record import processor_minutes
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
-from physgnn.prediction.predictor import CALIBRATION_FILE, calibrate_run
+from physgnn.prediction.predictor import CALIBRATION_FILE
+from physgnn.prediction.run_calibration import calibrate_run
 
 THINNED = 8  # every eighth validation sample: validating costs more than this budget
 SETTINGS = {

@@ -17,7 +17,7 @@ from physgnn.learning.interface import Body
 from physgnn.learning.models import build_model
 from physgnn.learning.run_record import new_record, with_result
 from physgnn.learning.training_config import TrainingConfig
-from physgnn.prediction.predictor import calibrate_run
+from physgnn.prediction.run_calibration import calibrate_run
 
 VOID = {"meta", "img", "source", "br", "hr", "link"}
 

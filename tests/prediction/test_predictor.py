@@ -21,8 +21,8 @@ from physgnn.prediction.predictor import (
     CALIBRATION_FILE,
     RELAXATION_FILE,
     Predictor,
-    calibrate_run,
 )
+from physgnn.prediction.run_calibration import calibrate_run
 
 SOLVER_MM = 1e-3  # two solves of one case agree at least this well
 

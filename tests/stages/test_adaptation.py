@@ -19,7 +19,7 @@ from physgnn.mechanics.load_paths import traction_paths
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.prediction import PredictionStatus, Predictor
 from physgnn.prediction.calibration import Calibration
-from physgnn.prediction.predictor import CALIBRATION_FILE
+from physgnn.prediction.predictor import CALIBRATION_FILE, RELAXATION_FILE
 from physgnn.stages.adaptation import adapt_run
 
 PRESET = Preset(
@@ -54,11 +54,12 @@ def family(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_bounds_come_from_the_patients_held_out(family: Path) -> None:
     stores = [Store.open(path) for path in sorted(family.glob("*.zarr"))]
     held_out = [split for split in split_meshes(stores) if len(split.validation)]
-    calibration = Calibration.read(family / "run" / CALIBRATION_FILE)
-    n = calibration.n_paths
-    assert n == len(held_out) == 1
-    assert calibration.coverage == pytest.approx(n / (n + 1))
-    assert calibration.mean_factor > 0
+    for file in (CALIBRATION_FILE, RELAXATION_FILE):
+        calibration = Calibration.read(family / "run" / file)
+        n = calibration.n_paths
+        assert n == len(held_out) == 1
+        assert calibration.coverage == pytest.approx(n / (n + 1))
+        assert calibration.mean_factor > 0
     record = read_record(family / "run")
     assert len(set(record["data"]["meshes"])) == len(stores)
 
@@ -79,6 +80,9 @@ def test_a_new_patient_has_answers_and_bounds_at_once(
         assert error.max() < 0.1 * np.linalg.norm(truth, axis=1).max()
         assert prediction.status == PredictionStatus.OK
         assert prediction.error_estimate_mm is not None
+        sharper = predictor(case, estimate="physical").error_estimate_mm
+        assert sharper is not None
+        assert sharper.coverage == prediction.error_estimate_mm.coverage
     strong = replace(case, forces=3 * case.forces)
     assert predictor(strong).status == PredictionStatus.OUTSIDE_TRAINED_RANGE
     with pytest.raises(InputError, match="holds a run already"):

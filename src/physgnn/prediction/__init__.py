@@ -8,7 +8,8 @@ from physgnn.prediction.prediction import (
     Prediction,
     PredictionStatus,
 )
-from physgnn.prediction.predictor import Predictor, calibrate_run
+from physgnn.prediction.predictor import Predictor
+from physgnn.prediction.run_calibration import calibrate_run
 
 __all__ = [
     "ErrorEstimate",

@@ -140,30 +140,61 @@ def calibrate(
         )
     name, measure = indicator
     scores = error_scores(answer, measure, store, held_out, progress=progress)
-    paths = held_out[:, 0]
-    rows = [bounds(scores, paths, coverage) for coverage in coverages]
+    loads = TrainedRange.from_cases(
+        store.load_case(path, level) for path, level in train.tolist()
+    )
+    return from_scores(name, scores, held_out[:, 0], loads, coverages)
+
+
+def from_scores(
+    indicator: str,
+    scores: FloatArray,
+    groups: IntArray,
+    loads: TrainedRange,
+    coverages: Sequence[float] = COVERAGES,
+) -> Calibration:
+    """Return the calibration that follows from true errors over indicators.
+
+    Parameters
+    ----------
+    indicator : str
+        Its name.
+    scores : (n, 2) array
+        True error / indicator of the samples, mean and largest.
+    groups : (n,) integer array
+        What is exchangeable with what is to come: the load path or patient of each.
+    loads : TrainedRange
+        Where the bounds hold.
+    coverages : sequence of float
+        See `calibrate`.
+    """
+    rows = [_bounds(scores, groups, coverage) for coverage in coverages]
     coverage, mean_factor, max_factor = rows[0]
     return Calibration(
-        indicator=name,
+        indicator=indicator,
         coverage=coverage,
         mean_factor=mean_factor,
         max_factor=max_factor,
-        n_paths=len(np.unique(paths)),
-        n_samples=len(held_out),
-        trained_range=TrainedRange.from_cases(
-            store.load_case(path, level) for path, level in train.tolist()
-        ),
+        n_paths=len(np.unique(groups)),
+        n_samples=len(scores),
+        trained_range=loads,
         others=tuple(rows[1:]),
     )
 
 
-def bounds(
-    scores: FloatArray, paths: IntArray, coverage: float
+def _bounds(
+    scores: FloatArray, groups: IntArray, coverage: float
 ) -> tuple[float, float, float]:
     """Return the coverage reached and the factors of mean and largest error."""
-    mean_factor, reached = conformal_quantile(scores[:, 0], paths, coverage)
-    max_factor, _ = conformal_quantile(scores[:, 1], paths, coverage)
+    mean_factor, reached = conformal_quantile(scores[:, 0], groups, coverage)
+    max_factor, _ = conformal_quantile(scores[:, 1], groups, coverage)
     return reached, mean_factor, max_factor
+
+
+def thinned(samples: IntArray, most: int) -> IntArray:
+    """Return every so many of the samples, the last of each stretch: at most `most`."""
+    every = max(-(-len(samples) // most), 1)
+    return samples[every - 1 :: every]
 
 
 def error_scores(

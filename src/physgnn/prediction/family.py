@@ -15,12 +15,13 @@ from physgnn.learning.interface import Body
 from physgnn.prediction.calibration import (
     COVERAGES,
     Calibration,
-    bounds,
+    FloatArray,
     error_scores,
+    from_scores,
+    thinned,
 )
-from physgnn.prediction.indicators import INDICATORS
-from physgnn.prediction.network import network_answer, quick_linear
-from physgnn.prediction.predictor import CALIBRATION_FILE
+from physgnn.prediction.predictor import Predictor
+from physgnn.prediction.run_calibration import kinds_of_bounds
 from physgnn.prediction.trained_range import TrainedRange
 from physgnn.progress import Progress
 
@@ -34,7 +35,7 @@ def calibrate_family(
     coverages: Sequence[float] = COVERAGES,
     progress: Progress | None = None,
 ) -> Calibration:
-    """Calibrate a run on its validation patients and store the result there.
+    """Calibrate a run on its validation patients and store the results there.
 
     What is exchangeable with a new patient are patients, not load paths: of n held-out
     ones no bound can promise more than n / (n + 1).
@@ -46,47 +47,54 @@ def calibrate_family(
     stores, splits : sequences of Store and Split
         What it was trained on.
     indicator : str
-        Row of `indicators.INDICATORS`.
+        Row of `indicators.INDICATORS`, for the quick bounds.
     coverages : sequence of float
         Wanted coverage of the error bounds, that of every prediction first.
     progress : callable, optional
         Called with (done, total, text) after every sample.
+
+    Returns
+    -------
+    Calibration
+        That of the quick bounds.
 
     Raises
     ------
     InputError
         If the network belongs to its body.
     """
-    trained = Checkpoint.load(run)
-    scores, patients = [], []
-    held_out = [
-        pair for pair in zip(stores, splits, strict=True) if len(pair[1].validation)
-    ]
-    for number, (store, split) in enumerate(held_out):
-        samples = split.validation
-        model = adapt(trained, Body.of(store), sample_forces(store, samples)).model
-        measure = INDICATORS[indicator](model.body, quick_linear(model))
-        scores.append(
-            error_scores(
-                network_answer(model), measure, store, samples, progress=progress
+    trained, kinds = Checkpoint.load(run), kinds_of_bounds(indicator)
+    pairs = zip(stores, splits, strict=True)
+    held_out = [pair for pair in pairs if len(pair[1].validation)]
+    scores: list[list[FloatArray]] = [[] for _ in kinds]
+    for store, split in held_out:
+        predictor = _adapted(trained, store, split)
+        for kind, found in zip(kinds, scores, strict=True):
+            most = max(kind.most // len(held_out), 1)
+            found.append(
+                error_scores(
+                    predictor.answer,
+                    kind.measure(predictor),
+                    store,
+                    thinned(split.validation, most),
+                    progress=progress,
+                )
             )
+    loads, made = _range_of(stores, splits), []
+    for kind, found in zip(kinds, scores, strict=True):
+        patients = np.repeat(np.arange(len(found)), [len(score) for score in found])
+        calibration = from_scores(
+            kind.indicator, np.concatenate(found), patients, loads, coverages
         )
-        patients.append(np.full(len(samples), number))
-    score, patient = np.concatenate(scores), np.concatenate(patients)
-    rows = [bounds(score, patient, coverage) for coverage in coverages]
-    coverage, mean_factor, max_factor = rows[0]
-    calibration = Calibration(
-        indicator=indicator,
-        coverage=coverage,
-        mean_factor=mean_factor,
-        max_factor=max_factor,
-        n_paths=len(held_out),
-        n_samples=len(score),
-        trained_range=_range_of(stores, splits),
-        others=tuple(rows[1:]),
-    )
-    calibration.write(Path(run) / CALIBRATION_FILE)
-    return calibration
+        calibration.write(Path(run) / kind.file)
+        made.append(calibration)
+    return made[0]
+
+
+def _adapted(trained: Checkpoint, store: Store, split: Split) -> Predictor:
+    """Return the predictor for a held-out patient, who gives loads but no answers."""
+    forces = sample_forces(store, split.validation)
+    return Predictor.of(adapt(trained, Body.of(store), forces).model)
 
 
 def on_new_loads(calibration: Calibration, loads: TrainedRange) -> Calibration:

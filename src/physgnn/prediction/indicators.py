@@ -18,7 +18,6 @@ from physgnn.learning.interface import Body
 from physgnn.mechanics.continued import continued_force
 from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.rest_state import RestState
 from physgnn.prediction.linear import linear_answer
 from physgnn.prediction.prediction import Answer
 
@@ -53,7 +52,7 @@ def residual_indicator(body: Body, linear: Answer | None = None) -> Indicator:
     del linear
     if body.element != DEFAULT_ELEMENT:  # stress is continued in lone cells only
         raise InputError(f"indicator residual knows {DEFAULT_ELEMENT} elements only")
-    rest = RestState(body.mesh, body.materials, body.fixed, element=body.element)
+    rest = body.rest_state()
     elements = make_elements(body.mesh, body.materials, body.element)
 
     def residual(case: LoadCase, displacement: FloatArray) -> FloatArray:

@@ -1,7 +1,6 @@
 """Linear elasticity, u = K₀⁻¹ f: the baseline no network may lose to."""
 
 from physgnn.learning.interface import Body
-from physgnn.mechanics.rest_state import RestState
 from physgnn.prediction.prediction import Answer
 
 
@@ -10,5 +9,5 @@ def linear_answer(body: Body) -> Answer:
 
     The factorisation of K₀ is done here, once; an answer costs one back-solve.
     """
-    rest = RestState(body.mesh, body.materials, body.fixed, element=body.element)
+    rest = body.rest_state()
     return lambda case: rest.solve(case.on_points(body.mesh.n_points))

@@ -1,29 +1,21 @@
 """From a load case to a displacement with an error estimate and a status."""
 
 import time
-from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 import torch
 
-from physgnn.dataset.split import Split
-from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body
+from physgnn.learning.interface import Body, Model
 from physgnn.learning.precision import set_precision
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.known_states import NearestKnown
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.relaxation import Relaxation
-from physgnn.prediction.calibration import (
-    COVERAGES,
-    RELAXATION,
-    Calibration,
-    calibrate,
-)
+from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.indicators import INDICATORS
 from physgnn.prediction.network import (
     first_cases,
@@ -40,12 +32,10 @@ from physgnn.prediction.prediction import (
     PredictionStatus,
 )
 from physgnn.prediction.repair import good_enough, repair
-from physgnn.progress import Progress
 
 CALIBRATION_FILE = "calibration.json"
 RELAXATION_FILE = "calibration-relaxation.json"
 ESTIMATES = ("quick", "physical")
-MAX_RELAXED = 330  # validation samples; each costs about ten of the quick ones
 
 
 class Predictor:
@@ -119,17 +109,34 @@ class Predictor:
         run = Path(run)
         model = Checkpoint.load(run).model
         set_precision(model, precision)
-        predictor = cls(
-            model.body,
-            network_answer(model, device=device),
+        predictor = cls.of(
+            model,
+            device=device,
             calibration=_read_if_there(run / CALIBRATION_FILE),
             relaxation=_read_if_there(run / RELAXATION_FILE),
-            known=nearest_known(model),
-            linear=quick_linear(model),
         )
         for case in first_cases(model) if warm else ():
             predictor(case)
         return predictor
+
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        *,
+        device: str = "cpu",
+        calibration: Calibration | None = None,
+        relaxation: Calibration | None = None,
+    ) -> "Predictor":
+        """Return the predictor that answers by a trained model."""
+        return cls(
+            model.body,
+            network_answer(model, device=device),
+            calibration=calibration,
+            relaxation=relaxation,
+            known=nearest_known(model),
+            linear=quick_linear(model),
+        )
 
     def __call__(
         self,
@@ -245,53 +252,3 @@ class Predictor:
 
 def _read_if_there(file: Path) -> Calibration | None:
     return Calibration.read(file) if file.is_file() else None
-
-
-def calibrate_run(
-    run: str | Path,
-    store: Store,
-    split: Split,
-    *,
-    indicator: str = "correction",
-    coverages: Sequence[float] = COVERAGES,
-    progress: Progress | None = None,
-) -> Calibration:
-    """Calibrate the model of a run on the validation set and store the results there.
-
-    Parameters
-    ----------
-    run : path
-        Folder of a trained model.
-    store, split : Store, Split
-        What it was trained on.
-    indicator : str
-        Row of `indicators.INDICATORS`, for the quick bounds.
-    coverages : sequence of float
-        Wanted coverage of the error bounds, that of every prediction first.
-    progress : callable, optional
-        Called with (done, total, text) after every sample.
-
-    Returns
-    -------
-    Calibration
-        That of the quick bounds.
-    """
-    predictor = Predictor.load(run)
-    quick = INDICATORS[indicator](predictor.body, predictor.linear)
-    every = -(-len(split.validation) // MAX_RELAXED)
-    some = split.validation[every - 1 :: every]
-    made = {}
-    for file, name, measure, held_out in (
-        (CALIBRATION_FILE, indicator, quick, split.validation),
-        (RELAXATION_FILE, RELAXATION, predictor.error, some),
-    ):
-        made[file] = calibrate(
-            predictor.answer,
-            (name, measure),
-            store,
-            (split.train, held_out),
-            coverages=coverages,
-            progress=progress,
-        )
-        made[file].write(Path(run) / file)
-    return made[CALIBRATION_FILE]

@@ -58,13 +58,14 @@ def adapt_run(
     from physgnn.learning.interface import Body
     from physgnn.prediction.calibration import Calibration
     from physgnn.prediction.family import on_new_loads
-    from physgnn.prediction.predictor import CALIBRATION_FILE
+    from physgnn.prediction.predictor import CALIBRATION_FILE, RELAXATION_FILE
     from physgnn.prediction.trained_range import TrainedRange
 
-    out, file = Path(out), Path(run) / CALIBRATION_FILE
+    run, out = Path(run), Path(out)
     if (out / RECORD).exists():
         raise InputError(f"{out} holds a run already: name another folder")
     trained = Checkpoint.load(run)
+    is_family = len(trained.record["data"].get("meshes", ())) > 1
     start = time.perf_counter()
     preset = find_preset(preset) if isinstance(preset, str) else preset
     mesh, paths = preset.on(mesh)
@@ -72,10 +73,10 @@ def adapt_run(
     cases = [path.case(path.n_levels - 1) for path in paths]
     forces = np.stack([case.on_points(mesh.n_points) for case in cases])
     adapt(trained, body, forces).save(out)
-    coverage = None
-    if file.is_file() and len(trained.record["data"].get("meshes", ())) > 1:
-        loads = TrainedRange.from_cases(cases)
-        calibration = on_new_loads(Calibration.read(file), loads)
-        calibration.write(out / CALIBRATION_FILE)
-        coverage = calibration.coverage
+    coverage, loads = None, TrainedRange.from_cases(cases)
+    for file in (CALIBRATION_FILE, RELAXATION_FILE):
+        if is_family and (run / file).is_file():
+            calibration = on_new_loads(Calibration.read(run / file), loads)
+            calibration.write(out / file)
+            coverage = calibration.coverage
     return Adapted(mesh.n_points, time.perf_counter() - start, coverage)
