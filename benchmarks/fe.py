@@ -1,6 +1,7 @@
 """The solver against full Newton as FEBio does it, and in bulk.
 
     python benchmarks/fe.py ../shared/febio --paths 16
+    python benchmarks/fe.py ../shared/febio --bulk-only
 
 The folder holds reference cases, one .npz each: ``points``, ``cells``, ``region``,
 ``fixed``, ``load_nodes``, ``load_vectors``, and FEBio's ``displacement`` at some
@@ -153,13 +154,15 @@ def main() -> None:
     )
     parser.add_argument("--paths", type=int, default=16, help="in bulk")
     parser.add_argument("--workers", type=int, default=2, help="processes in bulk")
+    parser.add_argument("--bulk-only", action="store_true")
     options = parser.parse_args()
     print(machine())
     load_kernels()
     for file in sorted(options.cases.glob("*.npz")):
         case = read_case(file, options.levels)
         print(f"\n## {file.stem}: {case.mesh.n_points} points\n")
-        compare(case)
+        if not options.bulk_only:
+            compare(case)
         if options.paths and len(case.path.nodes) > 1:
             print("\n### In bulk\n")
             bulk(case, options.paths, options.workers)

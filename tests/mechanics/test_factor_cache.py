@@ -59,6 +59,13 @@ def test_a_damaged_factor_is_made_again(block, force, tmp_path):
         assert factor.read_bytes() != damage
 
 
+def test_a_folder_that_cannot_be_written_does_no_harm(block, force, tmp_path):
+    no_folder = tmp_path / "file"
+    no_folder.write_text("in the way")
+    answer = RestState(block, MATERIALS, cache=no_folder).solve(force)
+    np.testing.assert_array_equal(answer, RestState(block, MATERIALS).solve(force))
+
+
 def test_the_factor_not_used_for_longest_goes_first(block, tmp_path):
     def keep(young: float, max_bytes: int = MAX_BYTES) -> set[str]:
         elements = make_elements(block, dict.fromkeys((0, 1), NeoHookean(young, 0.3)))

@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 from physgnn.dataset.store import Store
 from physgnn.learning.interface import Body
 from physgnn.mechanics.loads import LoadPath
-from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solution import Status
 from physgnn.mechanics.solver import Solver, SolverOptions
 
@@ -37,7 +36,7 @@ def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatAr
     """
     mean = forces.mean(axis=0)
     mean[body.fixed] = 0.0
-    rest = RestState(body.mesh, body.materials, body.fixed, element=body.element)
+    rest = body.rest_state()
     answer = rest.solve(mean)
     work = float((mean * answer).sum())
     if n_anchors == 0 or work == 0.0:

@@ -91,7 +91,8 @@ class Checkpoint:
             for region, values in record["materials"].items()
         }
         element = record.get("element", DEFAULT_ELEMENT)
-        body = Body(mesh, materials, mesh.point_set(FIXED), element)
+        fixed, factors = mesh.point_set(FIXED), run / "factors"
+        body = Body(mesh, materials, fixed, element, factors)
         config = record["config"]
         model = build_model(config["model"], body, **config["options"])
         try:

@@ -34,6 +34,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -47,8 +48,12 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.materials import Material
+from physgnn.mechanics.rest_state import RestState
 
 IntArray = NDArray[np.int64]
+
+FACTORS = ".factors"  # suffix of a folder of factors, beside mesh or store
+LARGE = 30_000  # points; smaller bodies are factorised in less than two seconds
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +70,9 @@ class Body:
         Points that can't move.
     element : str
         As in `physgnn.mechanics.SolverOptions`.
+    factors : Path, optional
+        Folder where the factor of a large body is kept from run to run. It may be
+        deleted at any time.
 
     Raises
     ------
@@ -76,6 +84,7 @@ class Body:
     materials: Mapping[int, Material]
     fixed: IntArray
     element: str = DEFAULT_ELEMENT
+    factors: Path | None = None
 
     def __post_init__(self) -> None:
         fixed = np.asarray(self.fixed, dtype=np.int64).ravel()
@@ -92,7 +101,19 @@ class Body:
     @classmethod
     def of(cls, store: Store) -> "Body":
         """Return the body a store's samples were computed on."""
-        return cls(store.mesh, store.materials, store.fixed, store.element)
+        beside = store.path.with_suffix(FACTORS)
+        return cls(store.mesh, store.materials, store.fixed, store.element, beside)
+
+    def rest_state(self) -> RestState:
+        """Return what answers K₀⁻¹ f, read from the disk if that is quicker."""
+        large = self.mesh.n_points >= LARGE
+        return RestState(
+            self.mesh,
+            self.materials,
+            self.fixed,
+            element=self.element,
+            cache=self.factors if large else None,
+        )
 
     @cached_property
     def graph(self) -> Graph:

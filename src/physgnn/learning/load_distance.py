@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.learning.interface import Body
-from physgnn.mechanics.rest_state import RestState
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -29,7 +28,7 @@ class LoadDistance:
 
     def __init__(self, body: Body, nodes: IntArray) -> None:
         self.nodes = np.setdiff1d(nodes, body.fixed)
-        rest = RestState(body.mesh, body.materials, body.fixed)
+        rest = body.rest_state()
         n = 3 * len(self.nodes)
         compliance = np.empty((n, n))
         for first in range(0, n, COLUMNS_AT_ONCE):

@@ -63,19 +63,24 @@ def factorize_cached(
         return True
     if not solver.factorize(data):
         return False
-    folder.mkdir(parents=True, exist_ok=True)
-    part = Path(tempfile.mkdtemp(prefix="part-", dir=folder))
-    solver.store(part)
-    (part / CHECKSUM).write_text(_checksum(part))
-    _use(part)
-    shutil.rmtree(kept, ignore_errors=True)  # it was there but couldn't be read
-    try:
-        part.replace(kept)
-    except OSError:  # another process was first
-        shutil.rmtree(part, ignore_errors=True)
-    with suppress(FileNotFoundError):  # another process forgets, too
+    with suppress(OSError):  # read-only, full: the factor in memory serves as well
+        _keep(solver, kept)
         _forget_oldest(folder, max_bytes)
     return True
+
+
+def _keep(solver: PardisoSolver, kept: Path) -> None:
+    folder = kept.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    part = Path(tempfile.mkdtemp(prefix="part-", dir=folder))
+    try:
+        solver.store(part)
+        (part / CHECKSUM).write_text(_checksum(part))
+        _use(part)
+        shutil.rmtree(kept, ignore_errors=True)  # it was there but couldn't be read
+        part.replace(kept)
+    finally:  # another process was first, or the disk is full
+        shutil.rmtree(part, ignore_errors=True)
 
 
 def _whole(kept: Path) -> bool:

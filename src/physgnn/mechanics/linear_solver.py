@@ -105,8 +105,10 @@ class PardisoSolver:
         return x.astype(np.float64)
 
     def store(self, folder: Path) -> None:
-        """Write the factor into a folder, as ``FACTOR_FILE``."""
-        self._on_disk("pardiso_handle_store", folder)
+        """Write the factor into a folder, as ``FACTOR_FILE``; OSError if that fails."""
+        error = self._on_disk("pardiso_handle_store", folder)
+        if error:
+            raise OSError(f"Pardiso could not write its factor (error {error})")
 
     def restore(self, folder: Path, data: FloatArray) -> bool:
         """Read back the factor of a matrix; False if there is none to be read."""

@@ -11,7 +11,7 @@ from physgnn.bundled import BUNDLED_RUN
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
-from physgnn.learning.interface import Body
+from physgnn.learning.interface import FACTORS, Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.indicators import Indicator
@@ -83,7 +83,7 @@ def view(path: str | Path | None) -> Viewed:
         raise InputError(f"{path} must be a run folder or a mesh, .vtu")
     from physgnn.io import read_mesh
 
-    return view_mesh(read_mesh(path), path.stem)
+    return view_mesh(read_mesh(path), path.stem, factors=path.with_suffix(FACTORS))
 
 
 def view_run(run: Path, title: str) -> Viewed:
@@ -103,9 +103,9 @@ def view_run(run: Path, title: str) -> Viewed:
     )
 
 
-def view_mesh(mesh: TetMesh, title: str) -> Viewed:
+def view_mesh(mesh: TetMesh, title: str, *, factors: Path | None = None) -> Viewed:
     """Return a mesh without a network, made of the published materials."""
-    body = Body(mesh, BRAIN_AND_TUMOUR, mesh.point_set("fixed"))
+    body = Body(mesh, BRAIN_AND_TUMOUR, mesh.point_set("fixed"), factors=factors)
     exposed = Exposed.of(body, _exposed_nodes(mesh, None))
     linear = Predictor(body, linear_answer(body))
     return Viewed(title, body, {"linear": linear}, exposed)
