@@ -14,12 +14,12 @@ from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.load_paths import (
     all_node_paths,
-    cone_paths,
     single_node_paths,
     traction_paths,
 )
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import Material, NeoHookean
+from physgnn.mechanics.pushes import push_paths
 from physgnn.mechanics.resection import remove_region
 
 
@@ -98,16 +98,18 @@ PRESETS: Mapping[str, Preset] = {
         fixed=PUBLISHED_FIXED,
         loaded=HalfSpace((200.0, 0.0), (80.0, 110.0, 130.0), "<=", -32.4),
     ),
-    # A craniotomy over the tumour of the bundled MNI152 case; skull over the rest.
+    # A craniotomy over the tumour of the bundled MNI152 case; skull over the rest. The
+    # smallest patches are one node.
     "demo": Preset(
         BRAIN_AND_TUMOUR,
         partial(
-            cone_paths,
-            total_force_n=4.0,
-            n_levels=10,
-            n_paths=48,
+            push_paths,
+            radius_mm=(10.0, 45.0),
+            force_n=(2.0, 4.0),
+            nodal_force_n=0.3,
             cone_deg=35.0,
-            nodes_per_path=30,
+            n_levels=10,
+            n_paths=64,
         ),
         fixed=HalfSpace((23.0, -35.0), (0.0, 0.0, 0.0), "<", 30.0),
         loaded=Nearest((39.7, 8.8, 62.5), 60),

@@ -9,11 +9,11 @@ from physgnn.errors import InputError
 from physgnn.geometry import boundary_points, boundary_surface, vertex_normals
 from physgnn.learning.interface import Body
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.pushes import patch_shares
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-PLATEAU = 0.5  # of the radius; a real instrument presses evenly up to near its rim
 REACH_MM = 10.0  # a touch farther from every exposed node than this is none
 
 
@@ -57,9 +57,8 @@ def push(
 ) -> LoadCase:
     """Spread a force over the exposed nodes around a point.
 
-    The weight of a node is 1 up to half the radius and falls to 0 at the radius as a
-    cosine; weights are divided by their sum, so the nodal forces add up to `force_n`.
-    Where no node lies within the radius the nearest one takes all.
+    Shares are those of `physgnn.mechanics.pushes`; they add up to `force_n`. Where no
+    node lies within the radius the nearest one takes all.
 
     Parameters
     ----------
@@ -84,18 +83,6 @@ def push(
             f"point must lie on the exposed surface (it is {distance[nearest]:.0f} mm "
             "away)"
         )
-    weight = _weight(distance / radius_mm)
-    # The other side of a cleft is near, but no instrument touches both.
-    weight[exposed.normals @ exposed.normals[nearest] <= 0] = 0.0
-    if not weight.any():
-        weight[nearest] = 1.0
-    loaded = np.flatnonzero(weight)
-    share = weight[loaded] / weight[loaded].sum()
-    return LoadCase(exposed.nodes[loaded], share[:, None] * np.asarray(force_n))
-
-
-def _weight(s: FloatArray) -> FloatArray:
-    falling = np.clip((s - PLATEAU) / (1 - PLATEAU), 0.0, 1.0)
-    weight: FloatArray = 0.5 * (1.0 + np.cos(np.pi * falling))
-    weight[s >= 1] = 0.0
-    return weight
+    share = patch_shares(distance / radius_mm, exposed.normals, nearest)
+    loaded = np.flatnonzero(share)
+    return LoadCase(exposed.nodes[loaded], share[loaded, None] * np.asarray(force_n))

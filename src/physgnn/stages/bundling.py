@@ -10,7 +10,7 @@ from physgnn.stages.demo import DEMO
 from physgnn.stages.pipeline import Log, Pipeline, Show
 
 MAX_BYTES = 5_000_000
-BUNDLED = replace(DEMO, command="physgnn bundle")
+BUNDLED = replace(DEMO, command="physgnn bundle", training_minutes=4.0)
 
 
 def bundle(

@@ -16,7 +16,7 @@ DEMO = Recipe(
     surface_points=700,
     target_points=10_000,
     preset="demo",
-    training_minutes=3.0,
+    training_minutes=1.5,
 )
 PREDICTION = "prediction.vtu"
 

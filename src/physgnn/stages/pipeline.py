@@ -144,6 +144,7 @@ class Pipeline:
             model="lifted",
             schedule="cosine",
             max_minutes=self.recipe.training_minutes,
+            early_stopping=1000,  # the last, slow steps of a cosine are its best
         )
         with self.show("training") as progress:
             stages.train(
