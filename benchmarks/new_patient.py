@@ -1,15 +1,16 @@
 """A patient never seen: how a family's network does, beside all there is else.
 
-    python benchmarks/new_patient.py family-run/ loads.zarr --runs tuned/ own/
+    python benchmarks/new_patient.py family-run/ loads.zarr --tune tuned/ --runs own/
 
 The family's network is adapted to the store's body, with the loads of its training
 paths and none of its answers. All are tested on the test paths of split ``path``: the
-linear solution, the expansion the network starts from, the network, and other runs
-trained on that split.
+linear solution, the expansion the network starts from, the network, the network after
+minutes of fine-tuning on the training paths, and other runs trained on that split.
 """
 
 import argparse
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,10 +21,14 @@ from physgnn.learning.adaptation import adapt
 from physgnn.learning.anchors import sample_forces
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.interface import Body
+from physgnn.learning.training import train
+from physgnn.learning.training_config import TrainingConfig
 from physgnn.prediction import linear_answer
 from physgnn.prediction.network import network_answer
 from physgnn.prediction.prediction import Answer
 from tables import machine, table
+
+DONE = "tuned"  # a file that says so
 
 
 def errors(answer: Answer, store: Store, samples: np.ndarray) -> np.ndarray:
@@ -36,10 +41,35 @@ def errors(answer: Answer, store: Store, samples: np.ndarray) -> np.ndarray:
     return np.stack(found)
 
 
+def tuned(start: Checkpoint, store: Store, minutes: float, run: Path) -> Checkpoint:
+    """Return a network trained on from another's weights, for so much processor time.
+
+    What is there already is not trained again.
+    """
+    if not (run / DONE).exists():
+        split = named_split("path", store)
+        split = replace(split, validation=split.validation[::8])  # or it costs too much
+        config = TrainingConfig(
+            model="lifted",
+            options=start.record["config"]["options"],
+            batch_size=4,
+            learning_rate=0.001,
+            schedule="cosine",
+            early_stopping=1000,
+            max_minutes=minutes,
+            clock="processor",
+        )
+        train(store, split, config, run, start=start)
+        (run / DONE).touch()
+    return Checkpoint.load(run)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("run", type=Path, help="trained on a family, modes = 0")
     parser.add_argument("store", type=Path)
+    parser.add_argument("--tune", type=Path, help="folder for a run tuned further")
+    parser.add_argument("--minutes", type=float, default=5.0, help="of tuning")
     parser.add_argument("--runs", type=Path, nargs="*", default=[])
     parser.add_argument("--every", type=int, default=5, help="levels: every so many")
     given = parser.parse_args()
@@ -55,6 +85,9 @@ def main() -> None:
     seconds = time.perf_counter() - start
     answers = {"linear solution": linear_answer(body)}
     answers["family's network"] = network_answer(adapted.model)
+    if given.tune:
+        model = tuned(family, store, given.minutes, given.tune).model
+        answers[f"tuned for {given.minutes:g} minutes"] = network_answer(model)
     for run in given.runs:
         answers[run.name] = network_answer(Checkpoint.load(run).model)
     rows = {name: errors(answer, store, samples) for name, answer in answers.items()}
