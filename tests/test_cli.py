@@ -99,6 +99,14 @@ def test_from_mesh_to_prediction(call: Call, folder: Path) -> None:
     assert (folder / "out.vtu").is_file()
 
 
+def test_a_folder_that_is_missing_is_missed_before_the_work(
+    call: Call, folder: Path
+) -> None:
+    out = folder / "nowhere" / "mesh.vtu"
+    code, _, err = call("mesh", "--brain", folder / "no-surface.stl", "-o", out)
+    assert (code, f"the folder {out.parent} is not there" in err) == (2, True)
+
+
 def test_out_and_back(call: Call, folder: Path) -> None:
     store, loads = folder / "loads.zarr", ("--loads", folder / "loads.toml")
     call("simulate", folder / "case.vtu", *loads, "--workers", 1, "-o", store)

@@ -85,7 +85,9 @@ def mesh(
     """Fill surfaces, or a label map, with tetrahedra and name point sets."""
     from physgnn.config import read_point_sets
     from physgnn.io import write_mesh
+    from physgnn.io.atomic import check_folder
 
+    check_folder(out)
     if [mni152, brain is not None, segmentation is not None].count(True) != 1:
         raise InputError("give a label map, --brain, or --mni152 for the bundled case")
     rules = {} if sets is None else read_point_sets(sets)

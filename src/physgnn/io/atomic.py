@@ -8,6 +8,12 @@ from pathlib import Path
 from physgnn.errors import InputError
 
 
+def check_folder(path: Path) -> None:
+    """Raise InputError if a file's folder isn't there; worth asking before long work."""
+    if not path.parent.is_dir():
+        raise InputError(f"cannot write {path}: the folder {path.parent} is not there")
+
+
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
     """Yield a path beside `path` to write to; on success it takes its place.
@@ -20,8 +26,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     InputError
         If the folder does not exist.
     """
-    if not path.parent.is_dir():
-        raise InputError(f"cannot write {path}: the folder {path.parent} is not there")
+    check_folder(path)
     part = path.with_name(f".{os.getpid()}.{path.name}")
     try:
         yield part
