@@ -29,6 +29,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.mechanics.load_paths import equal_levels, inward_normals
 from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solution import Status
 from physgnn.mechanics.solver import Solver
 from physgnn.stages import mesh_surfaces
@@ -60,6 +61,8 @@ def growth(sizes: Sequence[int]) -> None:
         "factorisations",
         "memory_mb",
         "process_mb",
+        "factor_made_s",
+        "factor_read_s",
     )
     table(columns, ([row[name] for name in columns] for row in rows))
     points = np.log([row["points"] for row in rows])
@@ -109,6 +112,11 @@ def child(file: Path) -> None:
         "memory_mb": round(memory_mb("VmHWM") - base),
         "process_mb": round(memory_mb("VmHWM")),
     }
+    with tempfile.TemporaryDirectory() as cache:
+        for name in ("factor_made_s", "factor_read_s"):
+            start = time.process_time()
+            RestState(mesh, BRAIN_AND_TUMOUR, cache=Path(cache))
+            row[name] = round(time.process_time() - start, 2)
     print(json.dumps(row))
 
 
