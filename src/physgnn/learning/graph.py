@@ -138,6 +138,15 @@ class Neighbours:
     value: Tensor
 
     @cached_property
+    def edges(self) -> tuple[NDArray[np.generic], ...]:
+        """Row starts, columns and values as arrays, for compiled kernels."""
+        graph = self.graph
+        return tuple(
+            tensor.cpu().numpy()
+            for tensor in (graph.row_start, graph.column, self.value)
+        )
+
+    @cached_property
     def matrix(self) -> Tensor:
         """Sparse (n_points, n_columns) matrix."""
         graph = self.graph

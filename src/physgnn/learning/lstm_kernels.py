@@ -37,18 +37,18 @@ class State(NamedTuple):
 
 
 class Gradients(NamedTuple):
-    """What the way back carries; all but ``gates`` are added to or replaced in place.
+    """What the way back carries.
 
     Attributes
     ----------
-    inputs : (n, width + size) array
+    inputs : (n, size or more) array
         Its last columns are those of the hidden states by the step after.
     cell : (n, size) array
         By the step after; then, for the step before.
     gates : (n, 3·size or 4·size) array
         Of the products: the result.
     bias, score : arrays
-        Of the weights, added to.
+        Added to.
     """
 
     inputs: Any
@@ -65,8 +65,8 @@ def step(gates, bias, score, state, scores):  # type: ignore[no-untyped-def]
     Parameters
     ----------
     gates : (n, 3·size or 4·size) array
-        In: products without bias. Out, unless bfloat16: gates.
-    bias : (3·size or 4·size,) array
+        In: products without bias. Out: gates.
+    bias : (1 or n, 3·size or 4·size) array
         Added to them.
     score : (size,) array
         Makes a score of a hidden state.
@@ -79,23 +79,24 @@ def step(gates, bias, score, state, scores):  # type: ignore[no-untyped-def]
     n, m = cell.shape
     scratch = np.empty(gates.shape[1], cell.dtype)
     for row in range(n):
-        z = floats(gates[row], scratch)
+        z, b = floats(gates[row], scratch), bias[min(row, len(bias) - 1)]
         for j in range(len(z)):
-            z[j] = sigmoid(z[j] + bias[j])
+            z[j] = sigmoid(z[j] + b[j])
         i, g, o = _last_three(z, m)
         c, h = cell[row], inputs[row, inputs.shape[1] - m :]
         for j in range(m):
             c[j] = i[j] * twice(g[j]) - i[j]
         if len(z) > 3 * m:
-            f, b = z[:m], before[row]
+            f, old = z[:m], before[row]
             for j in range(m):
-                c[j] += f[j] * b[j]
+                c[j] += f[j] * old[j]
         total = cell.dtype.type(0)
         for j in range(m):
             hidden = o[j] * twice(sigmoid(twice(c[j]))) - o[j]
             h[j] = rounded(hidden, h)
             total += hidden * score[j]
         scores[row] = total
+        keep(z, gates[row])
 
 
 @compiled
@@ -118,38 +119,45 @@ def step_back(gates, score, state, of_scores, of):  # type: ignore[no-untyped-de
     before, cell, inputs = state
     n, m = cell.shape
     one = cell.dtype.type(1)
-    tanh = np.empty(m, cell.dtype)
-    hidden = inputs.shape[1] - m
+    scratch = np.empty(gates.shape[1], cell.dtype)
+    scratch_back = np.empty(gates.shape[1], cell.dtype)
+    tanh, hidden = np.empty(m, cell.dtype), np.empty(m, cell.dtype)
+    to_h = np.empty(m, cell.dtype)
+    first = inputs.shape[1] - m
     for row in range(n):
-        z, to, by_score = gates[row], of.gates[row], of_scores[row]
+        z, by_score = floats(gates[row], scratch), of_scores[row]
+        to = room_for(of.gates[row], scratch_back)
         i, g, o = _last_three(z, m)
         to_i, to_g, to_o = _last_three(to, m)
-        c, h = cell[row], inputs[row, hidden:]
-        to_c, to_h = of.cell[row], of.inputs[row, hidden:]
+        c, to_c = cell[row], of.cell[row]
+        after = floats(of.inputs[row, of.inputs.shape[1] - m :], to_h)
         for j in range(m):
             tanh[j] = twice(sigmoid(twice(c[j]))) - one
         for j in range(m):
-            h[j] = o[j] * tanh[j]
+            hidden[j] = o[j] * tanh[j]
         for j in range(m):
-            of.score[j] += by_score * h[j]
+            of.score[j] += by_score * hidden[j]
         for j in range(m):
-            to_h[j] += by_score * score[j]
+            to_h[j] = after[j] + by_score * score[j]
         for j in range(m):
             to_c[j] += to_h[j] * o[j] * (one - tanh[j] * tanh[j])
         for j in range(m):
-            to_o[j] = to_h[j] * h[j] * (one - o[j])
+            to_o[j] = to_h[j] * hidden[j] * (one - o[j])
         for j in range(m):
             to_g[j] = twice(to_c[j] * i[j] * g[j] * (one - g[j]))
         for j in range(m):
             to_i[j] = to_c[j] * (twice(g[j]) - one) * i[j] * (one - i[j])
         if len(z) > 3 * m:
-            f, b, to_f = z[:m], before[row], to[:m]
+            f, old, to_f = z[:m], before[row], to[:m]
             for j in range(m):
-                to_f[j] = to_c[j] * b[j] * f[j] * (one - f[j])
+                to_f[j] = to_c[j] * old[j] * f[j] * (one - f[j])
             for j in range(m):
                 to_c[j] *= f[j]
+        of_bias = of.bias[min(row, len(of.bias) - 1)]
         for j in range(len(to)):
-            of.bias[j] += to[j]
+            of_bias[j] += to[j]
+        keep(to, of.gates[row])
+        put(hidden, inputs[row, first:])
 
 
 @njit(inline="always")
@@ -170,6 +178,18 @@ def sigmoid(z: Any) -> Any:
 
 def floats(values: Any, scratch: Any) -> Any:
     """Return bfloat16 values in a scratch array, others as they are; compiled only."""
+
+
+def room_for(values: Any, scratch: Any) -> Any:
+    """Return a scratch array for bfloat16 values, others as they are; compiled only."""
+
+
+def keep(values: Any, where: Any) -> None:
+    """Put values that are in a scratch array where they belong; compiled only."""
+
+
+def put(values: Any, where: Any) -> None:
+    """Copy values, rounded as the array's elements are; compiled only."""
 
 
 def rounded(value: Any, where: Any) -> Any:
@@ -226,3 +246,26 @@ def _rounded(value, where):  # type: ignore[no-untyped-def]
         return np.uint16((bits + np.int32(0x7FFF) + last) >> np.int32(16))
 
     return narrowed
+
+
+@overload(room_for, inline="always")
+def _room_for(values, scratch):  # type: ignore[no-untyped-def]
+    if values.dtype == types.uint16:
+        return lambda values, scratch: scratch
+    return lambda values, scratch: values
+
+
+@overload(put, inline="always")
+def _put(values, where):  # type: ignore[no-untyped-def]
+    def copied(values, where):  # type: ignore[no-untyped-def]
+        for j in range(len(values)):
+            where[j] = rounded(values[j], where)
+
+    return copied
+
+
+@overload(keep, inline="always")
+def _keep(values, where):  # type: ignore[no-untyped-def]
+    if where.dtype == types.uint16:
+        return lambda values, where: put(values, where)
+    return lambda values, where: None

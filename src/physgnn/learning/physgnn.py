@@ -9,7 +9,7 @@ from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.convolution import Convolution
 from physgnn.learning.dropout import SampleDropout
 from physgnn.learning.graph import Graph
-from physgnn.learning.pruning import Fill, Pruning, first_rows
+from physgnn.learning.pruning import Pruning, Rest, filled
 
 N_INPUTS = 7
 LAYERS_A_BLOCK = 3
@@ -106,7 +106,7 @@ class PhysGNN(nn.Module):
         return displacement
 
     def outputs(
-        self, x: Tensor, graphs: Sequence[Graph], fill: Fill = first_rows
+        self, x: Tensor, graphs: Sequence[Graph], rest: Rest | None = None
     ) -> list[Tensor]:
         """Return the input and the output of every layer and every attention.
 
@@ -116,9 +116,8 @@ class PhysGNN(nn.Module):
             Standardised features.
         graphs : six graphs
             One a layer; its rows are the points whose output is wanted.
-        fill : callable
-            From an output's place in the list, the output, and a number of rows, to
-            that many rows of it.
+        rest : callable, optional
+            Gives the rows of outputs that a layer needs and that weren't wanted.
 
         Returns
         -------
@@ -129,12 +128,19 @@ class PhysGNN(nn.Module):
         for block, attention in enumerate(self.attentions):
             first = block * LAYERS_A_BLOCK
             for index in range(first, first + LAYERS_A_BLOCK):
-                graph = graphs[index]
-                x = fill(len(found) - 1, found[-1], graph.n_columns)
-                found.append(self._layer(index, x, graph))
+                n, place = graphs[index].n_columns, len(found) - 1
+                x = found[-1][:, :n]
+                if rest is not None:
+                    x = filled(x, rest(place, x.shape[1], n))
+                found.append(self._layer(index, x, graphs[index]))
             places = range(len(found) - LAYERS_A_BLOCK, len(found))
-            layers = [fill(place, found[place], graph.n_points) for place in places]
-            found.append(attention(layers))
+            n = graphs[index].n_points
+            layers = [found[place][:, :n] for place in places]
+            others = rest and [
+                rest(place, layer.shape[1], n)
+                for place, layer in zip(places, layers, strict=True)
+            ]
+            found.append(attention(layers, others))
         return found
 
     def _layer(self, index: int, x: Tensor, graph: Graph) -> Tensor:

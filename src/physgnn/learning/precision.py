@@ -9,8 +9,8 @@ from physgnn.errors import InputError
 from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.physgnn import PhysGNN
 
-PRECISIONS: Mapping[str, torch.dtype] = {
-    "float32": torch.float32,
+PRECISIONS: Mapping[str, torch.dtype | None] = {
+    "float32": None,
     "bfloat16": torch.bfloat16,
 }
 

@@ -9,6 +9,7 @@ reaches. The result, and its gradient, are those of the whole computation.
 
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from typing import NamedTuple, Protocol
 
 import torch
@@ -18,23 +19,26 @@ from torch.nn import Parameter
 from physgnn.learning.graph import Graph
 from physgnn.learning.reach import Reach
 
-Fill = Callable[[int, Tensor, int], Tensor]
 Rest = Callable[[int, int, int], Tensor]
+"""From an output's place in the list of them, a number of rows and another, to the
+rows from the one to the other, (rows, columns), that are the same for all samples."""
 
 KEPT_REACHES = 16
 WORTHWHILE = 0.9
 
 
-def first_rows(place: int, rows: Tensor, n_rows: int) -> Tensor:  # noqa: ARG001
-    """Fill nothing in: all the rows wanted are there."""
-    return rows[:, :n_rows]
+def filled(rows: Tensor, rest: Tensor) -> Tensor:
+    """Append to each sample's rows those that are the same for all."""
+    if not len(rest):
+        return rows
+    return torch.cat([rows, rest.expand(len(rows), -1, -1)], dim=1)
 
 
 class Layered(Protocol):
     """A network that tells the output of each of its layers."""
 
     def outputs(
-        self, x: Tensor, graphs: Sequence[Graph], fill: Fill = first_rows
+        self, x: Tensor, graphs: Sequence[Graph], rest: Rest | None = None
     ) -> list[Tensor]:
         """See :meth:`physgnn.learning.physgnn.PhysGNN.outputs`."""
 
@@ -67,12 +71,17 @@ def unloaded(x: Tensor) -> tuple[Tensor, Tensor]:
 
 
 class _Kept(NamedTuple):
-    """Outputs without load, and all that they rest on."""
+    """Outputs without load, and all that they rest on.
+
+    Rows of them are picked once for the last reach, so that whoever is given them can
+    tell by the tensors that nothing changed.
+    """
 
     graph: Graph
     background: Tensor
     weights: list[tuple[int, int]]
     outputs: list[Tensor]
+    rest: dict[Reach, Rest]
 
 
 class Pruning:
@@ -118,17 +127,10 @@ class Pruning:
         if reach.share + once / len(x) > WORTHWHILE:
             return None
         find = self._on_far_points if training else self._on_all_points
-        without_load = find(network, background, graph, reach)
-
-        def fill(place: int, rows: Tensor, n_rows: int) -> Tensor:
-            have = rows.shape[1]
-            if have >= n_rows:
-                return rows[:, :n_rows]
-            rest = without_load(place, have, n_rows)
-            return torch.cat([rows, rest.expand(len(rows), -1, -1)], dim=1)
-
-        outputs = network.outputs(x[:, reach.order], reach.near, fill)
-        return fill(len(outputs) - 1, outputs[-1], graph.n_points)[:, reach.place]
+        rest = find(network, background, graph, reach)
+        last = network.outputs(x[:, reach.order], reach.near, rest)[-1]
+        far = rest(-1, last.shape[1], graph.n_points)
+        return filled(last, far)[:, reach.place]
 
     def _reach(self, graph: Graph, loaded: Tensor) -> Reach:
         key = loaded.cpu().numpy().tobytes()
@@ -164,6 +166,16 @@ class Pruning:
             and torch.equal(kept.background, background)
         ):
             outputs = network.outputs(background[None], [graph] * self.n_layers)
-            kept = self._kept = _Kept(graph, background, weights, outputs)
-        outputs = kept.outputs
-        return lambda place, have, n_rows: outputs[place][0, reach.order[have:n_rows]]
+            kept = self._kept = _Kept(graph, background, weights, outputs, {})
+        if reach not in kept.rest:
+            kept.rest.clear()
+            kept.rest[reach] = _rest_of(kept.outputs, reach)
+        return kept.rest[reach]
+
+
+def _rest_of(outputs: list[Tensor], reach: Reach) -> Rest:
+    @cache
+    def rest(place: int, have: int, n_rows: int) -> Tensor:
+        return outputs[place][0, reach.order[have:n_rows]]
+
+    return rest

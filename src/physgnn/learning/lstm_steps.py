@@ -1,0 +1,148 @@
+"""An LSTM's steps on a block of rows, and the way back through them.
+
+A step is one matrix product, of the rows' inputs and hidden states side by side, and
+one compiled pass over what comes out.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from physgnn.learning.lstm_blocks import Block, States
+from physgnn.learning.lstm_data import Given, Weights
+from physgnn.learning.lstm_kernels import Gradients, State, step, step_back
+
+
+class Found(NamedTuple):
+    """What an LSTM finds in a block of rows, or the gradients of that.
+
+    Attributes
+    ----------
+    scores : (steps, rows) tensor
+    hidden, cell : (rows, size) tensors or None
+        The state at the end, if it's wanted.
+    """
+
+    scores: Tensor
+    hidden: Tensor | None = None
+    cell: Tensor | None = None
+
+
+def read(
+    block: Block, given: Given, weights: Weights, states: States, found: Found
+) -> None:
+    """Fill in a block's states and what is to be found.
+
+    Parameters
+    ----------
+    block : Block
+        Which rows.
+    given : Given
+        Of these rows.
+    weights : Weights
+        The matrix in the precision of the products.
+    states : States
+        Room for gates and cells.
+    found : Found
+        Room for the results.
+    """
+    inputs = _start(block, given, weights)
+    for k in range(block.first, block.end):
+        own = k < block.end_of_own
+        part = weights.part(k, own=own)
+        if own:
+            inputs[:, : weights.width] = given.own[k]
+        gates = states.gates[k - block.first]
+        torch.mm(inputs[:, part[1]], weights.matrix[part].t(), out=gates)
+        bias = weights.bias[part[0]][None] if own else given.products[k]
+        step(
+            _array(gates),
+            _array(bias),
+            _array(weights.score),
+            _state(block, given, states, k, inputs),
+            _array(found.scores[k]),
+        )
+    if found.hidden is not None and found.cell is not None:
+        found.hidden.copy_(inputs[:, weights.width :])
+        found.cell.copy_(states.cells[-1])
+
+
+class Back(NamedTuple):
+    """Gradients of a block's results, and those to be found, which are added to."""
+
+    found: Found
+    given: Given
+    weights: Weights
+
+
+def read_back(
+    block: Block, given: Given, weights: Weights, states: States, of: Back
+) -> None:
+    """Take a block's gradients back, from what `read` found to what it was given."""
+    inputs = _start(block, given, weights)
+    of_inputs, of_cell = torch.zeros_like(inputs), torch.zeros_like(states.cells[0])
+    if of.found.hidden is not None and of.found.cell is not None:
+        of_inputs[:, weights.width :] = of.found.hidden
+        of_cell.copy_(of.found.cell)
+    after: Tensor | None = None  # gradient of the products of the step after
+    for k in reversed(range(block.first, block.end)):
+        own = k < block.end_of_own
+        part = weights.part(k, own=own)
+        of_gates = torch.empty_like(states.gates[k - block.first])
+        of_bias = of.weights.bias[part[0]][None] if own else of.given.products[k]
+        to = (of_inputs, of_cell, of_gates, of_bias, of.weights.score)
+        step_back(
+            _array(states.gates[k - block.first]),
+            _array(weights.score),
+            _state(block, given, states, k, inputs),
+            _array(of.found.scores[k]),
+            Gradients(*map(_array, to)),
+        )
+        if after is not None:  # now that the hidden state before it is there
+            _add_product(of.weights, block, k + 1, after, inputs)
+        of_inputs, after = of_gates @ weights.matrix[part], of_gates
+        if own:
+            inputs[:, : weights.width] = given.own[k]
+            of.given.own[k].copy_(of_inputs[:, : weights.width])
+    assert after is not None
+    if given.hidden is not None and given.cell is not None:
+        inputs[:, weights.width :] = given.hidden
+        of.given.hidden.add_(of_inputs[:, -weights.size :])
+        of.given.cell.add_(of_cell)
+    _add_product(of.weights, block, block.first, after, inputs)
+
+
+def _add_product(
+    of_weights: Weights, block: Block, k: int, of_gates: Tensor, inputs: Tensor
+) -> None:
+    """Add to the gradient of the matrix; in float32, whatever the products are in."""
+    part = of_weights.part(k, own=k < block.end_of_own)
+    to, of_gates, inputs = of_weights.matrix[part], of_gates.t(), inputs[:, part[1]]
+    if to.dtype == inputs.dtype:
+        to.addmm_(of_gates, inputs)
+    else:
+        to += of_gates @ inputs
+
+
+def _start(block: Block, given: Given, weights: Weights) -> Tensor:
+    """Return room for inputs and hidden states, with those at the start."""
+    inputs = weights.matrix.new_empty(len(block), weights.matrix.shape[1])
+    if given.hidden is not None:
+        inputs[:, weights.width :] = given.hidden
+    return inputs
+
+
+def _state(block: Block, given: Given, states: States, k: int, inputs: Tensor) -> State:
+    cell = states.cells[k - block.first]
+    before = states.cells[k - block.first - 1] if k > block.first else given.cell
+    before = cell if before is None else before  # not read
+    return State(_array(before), _array(cell), _array(inputs))
+
+
+def _array(tensor: Tensor) -> NDArray[np.generic]:
+    bits = tensor.view(torch.uint16) if tensor.dtype == torch.bfloat16 else tensor
+    array: NDArray[np.generic] = bits.detach().numpy()
+    return array

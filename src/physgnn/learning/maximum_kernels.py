@@ -1,0 +1,66 @@
+"""The maximum over neighbours and its way back, compiled."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+compiled = njit(cache=True, nogil=True)
+
+
+@compiled
+def largest(edges: Any, x: Any, y: Any, which: Any, rows: Any) -> None:
+    """Find the largest of the neighbours' weighted values, column by column.
+
+    Parameters
+    ----------
+    edges : tuple of row start, column and weight
+        As :class:`physgnn.learning.graph.Graph` has them.
+    x : (batch, n_columns, width) array
+        Values.
+    y, which : (batch, n_points, width) arrays
+        Out: the largest values, or 0 without neighbours, and the edges (int32) they
+        came along; of several, the first.
+    rows : (2,) integers
+        The points to do: the first, and the one after the last.
+    """
+    row_start, column, weight = edges
+    width = x.shape[2]
+    for sample in range(len(x)):
+        for row in range(rows[0], rows[1]):
+            best, edge = y[sample, row], which[sample, row]
+            best[:] = 0
+            edge[:] = -1
+            for e in range(row_start[row], row_start[row + 1]):
+                values, w = x[sample, column[e]], weight[e]
+                first = e == row_start[row]
+                for j in range(width):
+                    value = w * values[j]
+                    larger = first or value > best[j]
+                    best[j] = value if larger else best[j]
+                    edge[j] = np.int32(e) if larger else edge[j]
+
+
+@compiled
+def largest_back(edges: Any, of_y: Any, which: Any, of_x: Any, columns: Any) -> None:
+    """Add each gradient of y to that of the value it came from.
+
+    Parameters
+    ----------
+    edges, which
+        As in `largest`.
+    of_y : (batch, n_points, width) array
+        The gradient of y.
+    of_x : (batch, n_columns, width) array
+        Added to.
+    columns : (2,) integers
+        The columns to do: the first, and the one after the last.
+    """
+    _, column, weight = edges
+    for sample in range(len(of_y)):
+        for row in range(of_y.shape[1]):
+            gradient, edge = of_y[sample, row], which[sample, row]
+            for j in range(columns[0], columns[1]):
+                e = edge[j]
+                if e >= 0:
+                    of_x[sample, column[e], j] += weight[e] * gradient[j]

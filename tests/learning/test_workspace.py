@@ -1,0 +1,43 @@
+import pytest
+import torch
+
+from physgnn.learning.lstm import Way
+from physgnn.learning.lstm_common import lstm_scores
+from physgnn.learning.lstm_data import Weights
+from physgnn.learning.workspace import give_back, reused_memory, take
+
+
+def test_what_was_given_back_is_used_again() -> None:
+    with reused_memory():
+        small, large = take(10), take(100)
+        give_back(large)
+        give_back(small)
+        assert take(8) is small
+        assert take(8) is large
+        assert take(8) is not small
+
+
+def test_a_buffer_that_is_too_small_makes_room_for_one_that_is_not() -> None:
+    with reused_memory():
+        small = take(10)
+        give_back(small)
+        assert len(take(20)) == 20
+        assert take(5) is not small
+
+
+def test_nothing_is_kept_outside() -> None:
+    buffer = take(10)
+    give_back(buffer)
+    assert take(10) is not buffer
+
+
+def test_going_back_twice_is_refused_once_the_memory_was_used_again() -> None:
+    shapes = (16, 7), (16,), (4,)
+    weights = Weights(*(torch.randn(shape, requires_grad=True) for shape in shapes))
+    inputs = [torch.randn(2, 5, 3) for _ in range(2)]
+    with reused_memory():
+        scores = lstm_scores(inputs, weights, way=Way())
+        scores.sum().backward(retain_graph=True)
+        lstm_scores(inputs, weights, way=Way())
+        with pytest.raises(RuntimeError, match="modified by an inplace operation"):
+            scores.sum().backward()
