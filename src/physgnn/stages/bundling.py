@@ -10,6 +10,7 @@ from physgnn.stages.demo import DEMO
 from physgnn.stages.pipeline import Log, Pipeline, Show
 
 MAX_BYTES = 5_000_000
+MADE_BY = "make bundled"
 BUNDLED = replace(DEMO, command="physgnn bundle", training_minutes=4.0)
 
 
@@ -66,7 +67,7 @@ def slim_copy(run: Path, out: Path, *, errors: str) -> None:
     from physgnn.learning.model_card import write_model_card
 
     checkpoint = Checkpoint.load(run)
-    data = {**checkpoint.record["data"], "path": BUNDLED.command}
+    data = {**checkpoint.record["data"], "path": MADE_BY, "paths": [MADE_BY]}
     out.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(run / CASE, out / CASE)
     for calibration in run.glob("calibration*.json"):
