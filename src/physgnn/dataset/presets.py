@@ -122,7 +122,7 @@ PRESETS: Mapping[str, Preset] = {
 }
 """The published datasets, the demonstration, and synthetic patients.
 
-The demonstration's force gives 13 to 20 mm at the most displaced point; every level
+The demonstration's pushes give 5 to 30 mm at the most displaced point; every level
 converges.
 """
 
