@@ -6,7 +6,11 @@ from torch import Tensor
 
 from learning.reference import MessagePassing
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.aggregation import AGGREGATIONS, aggregate
+from physgnn.learning.aggregation import (
+    AGGREGATIONS,
+    aggregate,
+    scattered_maximum,
+)
 from physgnn.learning.graph import Graph
 
 kinds = pytest.mark.parametrize("aggregation", AGGREGATIONS)
@@ -35,6 +39,17 @@ def test_equals_gather_and_scatter(
     oracle = Oracle(aggr=aggregation)
     for ours, sample in zip(y, x, strict=True):
         torch.testing.assert_close(ours, oracle(sample, graph, weighted))
+
+
+@weights
+def test_other_devices_scatter_to_the_same_maximum(
+    block: TetMesh, weighted: bool
+) -> None:
+    graph = Graph.from_mesh(block)
+    x = torch.randn(3, graph.n_points, 5, generator=torch.Generator().manual_seed(0))
+    compiled = aggregate(graph, x, weighted=weighted, aggregation="max")
+    neighbours = graph.weighted if weighted else graph.plain
+    torch.testing.assert_close(scattered_maximum(neighbours, x), compiled)
 
 
 @kinds

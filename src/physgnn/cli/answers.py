@@ -32,6 +32,11 @@ Grid = Annotated[
 ]
 
 
+Precision = Annotated[
+    str, typer.Option(help="float32, or for PhysGNN bfloat16: quicker, rougher.")
+]
+
+
 def evaluate(
     runs: Annotated[
         list[Path],
@@ -52,6 +57,7 @@ def evaluate(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder; else in the last run's.")
     ] = None,
+    precision: Precision = "float32",
 ) -> None:
     """Measure trained networks on held-out samples: tables, figures, report."""
     data = stages.store_of(runs[-1]) if store is None else store
@@ -64,7 +70,7 @@ def evaluate(
             runs,
             data,
             split,
-            comparison=Comparison(named_baselines(baselines), tolerance_mm),
+            comparison=Comparison(named_baselines(baselines), tolerance_mm, precision),
             out=out,
             command=stages.command_line(),
             progress=move,
@@ -88,9 +94,7 @@ def predict(
     linear: Annotated[
         bool, typer.Option("--linear", help="Write the linear solution too.")
     ] = False,
-    precision: Annotated[
-        str, typer.Option(help="float32, or for PhysGNN bfloat16: quicker, rougher.")
-    ] = "float32",
+    precision: Precision = "float32",
     estimate: Annotated[
         str, typer.Option(help="Of the error: physical, or quick: a coarser bound.")
     ] = "physical",

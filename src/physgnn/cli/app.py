@@ -217,6 +217,9 @@ def train(
     memory_mb: Annotated[
         float | None, typer.Option(help="What a step may take; more may be faster.")
     ] = None,
+    precision: Annotated[
+        str | None, typer.Option(help="float32, or for PhysGNN bfloat16: quicker.")
+    ] = None,
     seed: Annotated[int | None, typer.Option(help="Of weights and order.")] = None,
     device: Annotated[str, typer.Option(help="cpu, cuda or auto.")] = "cpu",
     devices: Annotated[
@@ -242,6 +245,7 @@ def train(
             max_epochs=max_epochs,
             max_minutes=max_minutes,
             memory_mb=memory_mb,
+            precision=precision,
             seed=seed,
             options={} if configuration is None else {"configuration": configuration},
         )

@@ -44,7 +44,9 @@ class Row:
     origin: str = ""
 
 
-def run_rows(runs: Sequence[Path], store: Store) -> list[Row]:
+def run_rows(
+    runs: Sequence[Path], store: Store, precision: str = "float32"
+) -> list[Row]:
     """Return one row a run; runs that differ in their seed alone share a name.
 
     The name is the model's, or, where two kinds of run are of one model, the name of
@@ -56,6 +58,8 @@ def run_rows(runs: Sequence[Path], store: Store) -> list[Row]:
         Folders.
     store : Store
         On whose mesh they shall predict.
+    precision : str
+        As in `Predictor.load`.
 
     Raises
     ------
@@ -73,24 +77,28 @@ def run_rows(runs: Sequence[Path], store: Store) -> list[Row]:
     for of_kind, model in zip(kinds.values(), models, strict=True):
         _check_seeds(of_kind, [records[run] for run in of_kind])
         name = model if models.count(model) == 1 else _without_seed(of_kind[0])
-        rows += [_run_row(run, records[run], name, store) for run in of_kind]
+        rows += [_run_row(run, records[run], name, store, precision) for run in of_kind]
     return rows
 
 
-def load_predictor(run: Path, store: Store) -> Predictor:
+def load_predictor(run: Path, store: Store, precision: str = "float32") -> Predictor:
     """Return a run's predictor for a store's mesh; InputError if it knows another."""
     check_mesh(read_record(run), store.mesh, run)
-    return Predictor.load(run)
+    return Predictor.load(run, precision=precision)
 
 
-def _run_row(run: Path, record: dict[str, Any], name: str, store: Store) -> Row:
+def _run_row(
+    run: Path, record: dict[str, Any], name: str, store: Store, precision: str
+) -> Row:
     files = (run / file for file in (WEIGHTS, CALIBRATION_FILE))
+    contents = [file.read_bytes() for file in files if file.is_file()]
+    rough = [] if precision == "float32" else [precision.encode()]
     return Row(
         name,
-        make=lambda: load_predictor(run, store),
+        make=lambda: load_predictor(run, store, precision),
         seed=record["config"]["seed"],
         minutes=processor_minutes(record),
-        origin=_digest(file.read_bytes() for file in files if file.is_file()),
+        origin=_digest([*contents, *rough]),
     )
 
 

@@ -51,10 +51,13 @@ class Comparison:
         Rows of `BASELINES`; those that do not apply to the split are left out.
     tolerance_mm : float or None
         Adds the last run's first seed with every prediction made to keep this.
+    precision : str
+        Of the runs' answers, as in `Predictor.load`.
     """
 
     baselines: tuple[str, ...] = QUICK
     tolerance_mm: float | None = None
+    precision: str = "float32"
 
 
 def evaluate_runs(
@@ -105,7 +108,7 @@ def evaluate_runs(
     out = out or run / f"evaluation-{held_out.split}"
     kept = KeptRows(out / "rows", held_out)
     report = evaluate(rows, held_out, kept=kept, progress=progress)
-    predictor = load_predictor(run, held_out.store)
+    predictor = load_predictor(run, held_out.store, comparison.precision)
     bars = measure_bars(predictor, held_out, progress=progress)
     report = report.with_facts(
         **_facts(report, held_out, predictor, run, command), error_bars=bar_facts(bars)
@@ -124,7 +127,7 @@ def evaluate_run(
 
 def _rows(runs: Sequence[Path], held_out: HeldOut, comparison: Comparison) -> list[Row]:
     """Return baselines, runs and the certified row, in the order of presentation."""
-    tested = run_rows(runs, held_out.store)
+    tested = run_rows(runs, held_out.store, comparison.precision)
     seeds = sorted({row.seed for row in tested if row.seed is not None}) or [0]
     names = {row.name for row in tested}  # what is tested is no baseline of itself
     baselines = [name for name in comparison.baselines if name not in names]

@@ -69,8 +69,11 @@ class _Maximum(torch.autograd.Function):
     def forward(ctx: Any, neighbours: Neighbours, x: Tensor) -> Tensor:
         y = x.new_empty(len(x), neighbours.graph.n_points, x.shape[2])
         which = torch.empty_like(y, dtype=torch.int32)
-        edges, arrays = neighbours.edges, [t.detach().numpy() for t in (x, y, which)]
-        side_by_side(lambda rows: largest(edges, *arrays, rows), _shares(y.shape[1]))
+        values, maximum, edge = (t.detach().numpy() for t in (x, y, which))
+        side_by_side(
+            lambda rows: largest(neighbours.edges, values, maximum, edge, rows),
+            _shares(y.shape[1]),
+        )
         ctx.save_for_backward(which)
         ctx.neighbours, ctx.n_columns = neighbours, x.shape[1]
         return y
@@ -81,9 +84,9 @@ class _Maximum(torch.autograd.Function):
         (which,) = ctx.saved_tensors
         of_x = grad.new_zeros(len(grad), ctx.n_columns, grad.shape[2])
         edges = ctx.neighbours.edges
-        arrays = [t.numpy() for t in (grad.contiguous(), which, of_x)]
+        of_y, edge, to = (t.numpy() for t in (grad.contiguous(), which, of_x))
         side_by_side(
-            lambda columns: largest_back(edges, *arrays, columns),
+            lambda columns: largest_back(edges, of_y, edge, to, columns),
             _shares(grad.shape[2]),
         )
         return None, of_x
@@ -91,12 +94,12 @@ class _Maximum(torch.autograd.Function):
 
 def _maximum(neighbours: Neighbours, x: Tensor) -> Tensor:
     if x.device.type != "cpu":
-        return _scattered_maximum(neighbours, x)
+        return scattered_maximum(neighbours, x)
     largest_values: Tensor = _Maximum.apply(neighbours, x.contiguous())  # type: ignore[no-untyped-call]
     return largest_values
 
 
-def _scattered_maximum(neighbours: Neighbours, x: Tensor) -> Tensor:
+def scattered_maximum(neighbours: Neighbours, x: Tensor) -> Tensor:
     """Gather and scatter: for devices that run no compiled kernels of ours."""
     graph = neighbours.graph
     messages = x[:, graph.column] * neighbours.value[:, None]

@@ -111,9 +111,9 @@ class JumpingKnowledge(nn.Module):
         for suffix, score in zip(
             ("l0", "l0_reverse"), self.score.weight[0].chunk(2), strict=True
         ):
-            from_both = [given[f"weight_{x}h_{suffix}"] for x in "ih"]
+            from_both = (given[f"weight_{x}h_{suffix}"] for x in "ih")
             bias = given[f"bias_ih_{suffix}"] + given[f"bias_hh_{suffix}"]
-            matrix = _reordered(torch.cat(from_both, dim=1))
+            matrix = _reordered(torch.cat([*from_both], dim=1))
             directions.append(Weights(matrix, _reordered(bias), score))
         return directions[0], directions[1]
 

@@ -158,4 +158,6 @@ class Reading:
 
 def _on(block: Block, found: Sequence[Tensor]) -> Found:
     scores, *state = found
-    return Found(scores[:, *block.place], *(x[block.place] for x in state))
+    hidden, cell = (x[block.place] for x in state) if state else (None, None)
+    end = None if hidden is None or cell is None else (hidden, cell)
+    return Found(scores[:, *block.place], end)

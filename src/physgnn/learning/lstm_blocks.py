@@ -40,7 +40,8 @@ class Block(NamedTuple):
         return self.sample, self.rows
 
     def __len__(self) -> int:
-        return self.rows.stop - self.rows.start
+        length: int = self.rows.stop - self.rows.start
+        return length
 
 
 class States(NamedTuple):
@@ -117,19 +118,19 @@ def blocks_of(
     """
     parts: list[list[Block]] = [[] for _ in range(n_parts)]
     end = 0
-    for number, (rows, *steps) in enumerate(_pieces(counts)):
+    for number, (rows, first, end_of_own) in enumerate(_pieces(counts)):
         for sample in range(batch):
-            block = Block(sample, rows, *steps, end)
+            block = Block(sample, rows, first, end_of_own, len(counts), end)
             end += layout.n_bytes(block)
             parts[number % n_parts].append(block)
     return [part for part in parts if part], end
 
 
-def _pieces(counts: Sequence[int]) -> Iterator[tuple[slice, int, int, int]]:
+def _pieces(counts: Sequence[int]) -> Iterator[tuple[slice, int, int]]:
     """Yield points that have the same steps to themselves, and these steps."""
     for start, stop in pairwise(sorted({0, *counts})):
         own = [k for k, n_own in enumerate(counts) if n_own > start]
         n = -(-(stop - start) // ROWS_A_BLOCK)
         cuts = (start + (stop - start) * k // n for k in range(n + 1))
         for pair in pairwise(cuts):
-            yield slice(*pair), own[0], own[-1] + 1, len(counts)
+            yield slice(*pair), own[0], own[-1] + 1

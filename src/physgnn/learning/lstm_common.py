@@ -22,15 +22,14 @@ class Common(NamedTuple):
 
     Attributes
     ----------
-    products, hidden, cell
+    products, start
         As there.
     scores : (steps, n − n_0) tensor or None
         Of the steps before the start.
     """
 
     products: tuple[Tensor | None, ...]
-    hidden: Tensor | None = None
-    cell: Tensor | None = None
+    start: tuple[Tensor, Tensor] | None = None
     scores: Tensor | None = None
 
 
@@ -68,7 +67,7 @@ def _before(inputs: Sequence[Tensor], weights: Weights, way: Way) -> Common:
         scores = pad(scores[:, 0], (0, 0, 0, len(inputs) - n_steps))
         found.append([*(x[0] for x in state), scores.t()])
     hidden, cell, scores = (cat(parts) for parts in zip(*found, strict=True))
-    return Common((None,) * len(inputs), hidden, cell, scores.t())
+    return Common((None,) * len(inputs), (hidden, cell), scores.t())
 
 
 def lstm_scores(
@@ -95,7 +94,7 @@ def lstm_scores(
     (steps, batch, n) tensor
     """
     common = common or Common((None,) * len(own))
-    given = Given(tuple(own), common.products, common.hidden, common.cell)
+    given = Given(tuple(own), common.products, common.start)
     scores, *_ = lstm(given, weights, way)
     if common.scores is None:
         return scores

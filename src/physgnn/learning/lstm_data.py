@@ -58,15 +58,14 @@ class Given(NamedTuple):
     products : (n − n_k, 4·size) tensors or None
         What matrix and bias make of the input of the other points, which samples have
         in common; None where the start covers it.
-    hidden, cell : (n − n_0, size) tensors or None
-        The state after the steps that samples have in common, where those come first.
-        Points before these start from rest.
+    start : two (n − n_0, size) tensors or None
+        Hidden state and cell after the steps that samples have in common, where those
+        come first. Points before these start from rest.
     """
 
     own: tuple[Tensor, ...]
     products: tuple[Tensor | None, ...]
-    hidden: Tensor | None = None
-    cell: Tensor | None = None
+    start: tuple[Tensor, Tensor] | None = None
 
     @property
     def counts(self) -> tuple[int, ...]:
@@ -77,11 +76,13 @@ class Given(NamedTuple):
     def of(cls, tensors: Sequence[Any]) -> "Given":
         """Undo `flat`."""
         n = (len(tensors) - 2) // 2
-        return cls(tuple(tensors[:n]), tuple(tensors[n:-2]), *tensors[-2:])
+        hidden, cell = tensors[-2:]
+        start = None if hidden is None else (hidden, cell)
+        return cls(tuple(tensors[:n]), tuple(tensors[n:-2]), start)
 
     def flat(self) -> tuple[Tensor | None, ...]:
         """Return all of it as one tuple."""
-        return (*self.own, *self.products, self.hidden, self.cell)
+        return (*self.own, *self.products, *(self.start or (None, None)))
 
     def blank(self) -> "Given":
         """Return room for gradients; those of what samples have in common are 0."""
@@ -99,9 +100,5 @@ class Given(NamedTuple):
                 return None
             return x[rows.start - first : rows.stop - first]
 
-        return Given(
-            tuple(x[block.place] for x in self.own),
-            tuple(map(common, self.products)),
-            common(self.hidden),
-            common(self.cell),
-        )
+        own, rest = self.own, self.flat()[len(self.own) :]
+        return Given.of([*(x[block.place] for x in own), *map(common, rest)])

@@ -22,13 +22,12 @@ class Found(NamedTuple):
     Attributes
     ----------
     scores : (steps, rows) tensor
-    hidden, cell : (rows, size) tensors or None
-        The state at the end, if it's wanted.
+    end : two (rows, size) tensors or None
+        Hidden state and cell at the end, if they're wanted.
     """
 
     scores: Tensor
-    hidden: Tensor | None = None
-    cell: Tensor | None = None
+    end: tuple[Tensor, Tensor] | None = None
 
 
 def read(
@@ -57,17 +56,16 @@ def read(
             inputs[:, : weights.width] = given.own[k]
         gates = states.gates[k - block.first]
         torch.mm(inputs[:, part[1]], weights.matrix[part].t(), out=gates)
-        bias = weights.bias[part[0]][None] if own else given.products[k]
         step(
             _array(gates),
-            _array(bias),
+            _array(_bias(block, given, weights, k)),
             _array(weights.score),
             _state(block, given, states, k, inputs),
             _array(found.scores[k]),
         )
-    if found.hidden is not None and found.cell is not None:
-        found.hidden.copy_(inputs[:, weights.width :])
-        found.cell.copy_(states.cells[-1])
+    if found.end:
+        found.end[0].copy_(inputs[:, weights.width :])
+        found.end[1].copy_(states.cells[-1])
 
 
 class Back(NamedTuple):
@@ -83,19 +81,14 @@ def read_back(
 ) -> None:
     """Take a block's gradients back, from what `read` found to what it was given."""
     inputs = _start(block, given, weights)
-    of_inputs, of_cell = torch.zeros_like(inputs), torch.zeros_like(states.cells[0])
-    if of.found.hidden is not None and of.found.cell is not None:
-        of_inputs[:, weights.width :] = of.found.hidden
-        of_cell.copy_(of.found.cell)
+    of_inputs, of_cell = _end(inputs, states, of.found)
     after: Tensor | None = None  # gradient of the products of the step after
     for k in reversed(range(block.first, block.end)):
-        own = k < block.end_of_own
-        part = weights.part(k, own=own)
-        of_gates = torch.empty_like(states.gates[k - block.first])
-        of_bias = of.weights.bias[part[0]][None] if own else of.given.products[k]
+        gates = states.gates[k - block.first]
+        of_gates, of_bias = torch.empty_like(gates), _bias(block, *of[1:], k)
         to = (of_inputs, of_cell, of_gates, of_bias, of.weights.score)
         step_back(
-            _array(states.gates[k - block.first]),
+            _array(gates),
             _array(weights.score),
             _state(block, given, states, k, inputs),
             _array(of.found.scores[k]),
@@ -103,15 +96,17 @@ def read_back(
         )
         if after is not None:  # now that the hidden state before it is there
             _add_product(of.weights, block, k + 1, after, inputs)
-        of_inputs, after = of_gates @ weights.matrix[part], of_gates
+        own = k < block.end_of_own
+        of_inputs = of_gates @ weights.matrix[weights.part(k, own=own)]
+        after = of_gates
         if own:
             inputs[:, : weights.width] = given.own[k]
             of.given.own[k].copy_(of_inputs[:, : weights.width])
+    if given.start and of.given.start:
+        inputs[:, weights.width :] = given.start[0]
+        of.given.start[0].add_(of_inputs[:, -weights.size :])
+        of.given.start[1].add_(of_cell)
     assert after is not None
-    if given.hidden is not None and given.cell is not None:
-        inputs[:, weights.width :] = given.hidden
-        of.given.hidden.add_(of_inputs[:, -weights.size :])
-        of.given.cell.add_(of_cell)
     _add_product(of.weights, block, block.first, after, inputs)
 
 
@@ -130,15 +125,35 @@ def _add_product(
 def _start(block: Block, given: Given, weights: Weights) -> Tensor:
     """Return room for inputs and hidden states, with those at the start."""
     inputs = weights.matrix.new_empty(len(block), weights.matrix.shape[1])
-    if given.hidden is not None:
-        inputs[:, weights.width :] = given.hidden
+    if given.start:
+        inputs[:, weights.width :] = given.start[0]
     return inputs
 
 
+def _end(inputs: Tensor, states: States, of: Found) -> tuple[Tensor, Tensor]:
+    """Return the gradients of the last hidden states, beside inputs, and cells."""
+    of_inputs, of_cell = torch.zeros_like(inputs), torch.zeros_like(states.cells[0])
+    if of.end:
+        of_inputs[:, -of_cell.shape[1] :] = of.end[0]
+        of_cell.copy_(of.end[1])
+    return of_inputs, of_cell
+
+
+def _bias(block: Block, given: Given, weights: Weights, k: int) -> Tensor:
+    """Return what is added to the products: on every row the same, or one a row."""
+    if k < block.end_of_own:
+        return weights.bias[weights.part(k, own=True)[0]][None]
+    products = given.products[k]
+    assert products is not None
+    return products
+
+
 def _state(block: Block, given: Given, states: States, k: int, inputs: Tensor) -> State:
-    cell = states.cells[k - block.first]
-    before = states.cells[k - block.first - 1] if k > block.first else given.cell
-    before = cell if before is None else before  # not read
+    cell = before = states.cells[k - block.first]
+    if k > block.first:
+        before = states.cells[k - block.first - 1]
+    elif given.start:
+        before = given.start[1]
     return State(_array(before), _array(cell), _array(inputs))
 
 

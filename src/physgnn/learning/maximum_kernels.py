@@ -1,7 +1,5 @@
 """The maximum over neighbours and its way back, compiled."""
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 
@@ -9,7 +7,7 @@ compiled = njit(cache=True, nogil=True)
 
 
 @compiled
-def largest(edges: Any, x: Any, y: Any, which: Any, rows: Any) -> None:
+def largest(edges, x, y, which, rows):  # type: ignore[no-untyped-def]
     """Find the largest of the neighbours' weighted values, column by column.
 
     Parameters
@@ -42,7 +40,7 @@ def largest(edges: Any, x: Any, y: Any, which: Any, rows: Any) -> None:
 
 
 @compiled
-def largest_back(edges: Any, of_y: Any, which: Any, of_x: Any, columns: Any) -> None:
+def largest_back(edges, of_y, which, of_x, columns):  # type: ignore[no-untyped-def]
     """Add each gradient of y to that of the value it came from.
 
     Parameters

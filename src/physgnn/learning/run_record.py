@@ -112,7 +112,8 @@ def check_same_run(run: Path, record: Mapping[str, Any]) -> None:
                 f"{run} was trained on another {part}; resume it with the same, or "
                 "start a new run"
             )
-    new, old = record["config"], earlier["config"]
+    # What an earlier version had no setting for was as it is by default.
+    new, old = record["config"], {**asdict(TrainingConfig()), **earlier["config"]}
     for name in sorted(new.keys() - EXTENDABLE):
         if new[name] != old.get(name):
             raise InputError(

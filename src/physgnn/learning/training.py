@@ -33,6 +33,7 @@ from physgnn.learning.members import (
 )
 from physgnn.learning.memory import samples_at_once
 from physgnn.learning.model_card import write_model_card
+from physgnn.learning.precision import set_precision
 from physgnn.learning.run_record import (
     check_same_run,
     new_record,
@@ -112,6 +113,8 @@ def train(
         torch.manual_seed(config.seed)
         budget = Budget(config)
         models = build_models(members, config, start.model if start else None)
+        for model in models:
+            set_precision(model, config.precision)
         caches = [stack.enter_context(SampleCache(run)) for _ in models]
         samples, held_out = fitted_samples(members, models, caches)
         best = KeepBest(

@@ -7,6 +7,7 @@ from typing import Any
 from physgnn.errors import InputError
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.models import MODELS
+from physgnn.learning.precision import PRECISIONS
 
 SCHEDULE_NAMES = ("plateau", "cosine")
 CLOCK_NAMES = ("wall", "processor")
@@ -48,6 +49,8 @@ class TrainingConfig:
     memory_mb : float
         What a step may take. A batch that doesn't fit is computed in parts, and what
         can be is computed twice: the result is the same, at up to 1.5 times the cost.
+    precision : {"float32", "bfloat16"}
+        Of a PhysGNN's largest products; weights and all else are float32.
     seed : int
         Of the weights, the order of samples, and dropout.
 
@@ -72,11 +75,13 @@ class TrainingConfig:
     max_minutes: float | None = None
     clock: str = "wall"
     memory_mb: float = 768.0
+    precision: str = "float32"
     seed: int = 0
 
     def __post_init__(self) -> None:
         for name, choices in (
             ("model", MODELS), ("loss", LOSSES), ("schedule", SCHEDULE_NAMES),
+            ("precision", PRECISIONS),
             ("clock", CLOCK_NAMES),
         ):  # fmt: skip
             if getattr(self, name) not in choices:
