@@ -84,3 +84,13 @@ def test_certified_differs_in_name_and_tolerance_alone(tmp_path: Path) -> None:
     kept = certified(row, 0.1)
     assert (kept.name, kept.tolerance_mm) == ("certified", 0.1)
     assert (kept.seed, kept.origin, kept.make) == (row.seed, row.origin, row.make)
+
+
+def test_answers_of_another_precision_are_kept_apart(tmp_path: Path) -> None:
+    run = fake_run(tmp_path / "run", 0, model="physgnn")
+    (exact,), (rough,) = (
+        run_rows([run], store=None, precision=precision)
+        for precision in ("float32", "bfloat16")
+    )
+    assert exact.name == rough.name
+    assert exact.origin != rough.origin

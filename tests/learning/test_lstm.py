@@ -135,3 +135,10 @@ def test_blocks_cover_every_point_once_and_their_states_do_not_overlap() -> None
     for block, after in pairwise(blocks):
         assert block.offset + layout.n_bytes(block) == after.offset
     assert blocks[-1].offset + layout.n_bytes(blocks[-1]) == n_bytes
+
+
+def test_threads_get_about_as_much_to_do() -> None:
+    layout = lstm_blocks.Layout(SIZE, torch.float32, torch.float32)
+    parts, n_bytes = lstm_blocks.blocks_of((455, 1150, 2026), 1, layout, 2)
+    for part in parts:
+        assert sum(map(layout.n_bytes, part)) == pytest.approx(n_bytes / 2, rel=0.15)

@@ -1,11 +1,17 @@
+from pathlib import Path
+
 import pytest
 import torch
 
+from physgnn.dataset.split import Split
+from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.learning.physgnn import PhysGNN
 from physgnn.learning.precision import set_precision
+from physgnn.learning.training import train
+from physgnn.learning.training_config import TrainingConfig
 
 
 @pytest.fixture
@@ -43,6 +49,23 @@ def test_training_in_bfloat16_has_nearly_the_gradients_of_float32(
     exact, rough = (torch.cat([g.flatten() for g in each]) for each in gradients)
     assert rough.dtype == torch.float32
     assert 0 < (rough - exact).norm() / exact.norm() < 0.02
+
+
+def test_a_network_trained_in_bfloat16_answers_alike_in_both(
+    store: Store, split: Split, tmp_path: Path
+) -> None:
+    config = TrainingConfig(
+        options={"width": 16}, batch_size=4, max_epochs=3, precision="bfloat16"
+    )
+    model = train(store, split, config, tmp_path / "run").model.eval()
+    x = torch.stack([model.encode(store.load_case(5, k)) for k in range(4)])
+    answers = []
+    with torch.inference_mode():
+        for precision in ("float32", "bfloat16"):
+            set_precision(model, precision)
+            answers.append(model(x, model.body.graph))
+    distance = (answers[1] - answers[0]).norm(dim=-1).mean()
+    assert 0 < distance < 0.005
 
 
 def test_refuses_a_network_it_would_not_change() -> None:

@@ -94,7 +94,7 @@ class Layout(NamedTuple):
 def blocks_of(
     counts: Sequence[int], batch: int, layout: Layout, n_parts: int
 ) -> tuple[list[list[Block]], int]:
-    """Cut all points of all samples into blocks, shared out over threads.
+    """Cut all points of all samples into blocks, shared out evenly over threads.
 
     All samples of a point are in the same part, so that no two threads add to the same
     gradient of what the samples have in common.
@@ -117,12 +117,14 @@ def blocks_of(
         What the states of all blocks take.
     """
     parts: list[list[Block]] = [[] for _ in range(n_parts)]
-    end = 0
-    for number, (rows, first, end_of_own) in enumerate(_pieces(counts)):
+    work, end = [0] * n_parts, 0  # bytes tell the work as well
+    for rows, first, end_of_own in _pieces(counts):
+        least = work.index(min(work))
         for sample in range(batch):
             block = Block(sample, rows, first, end_of_own, len(counts), end)
+            parts[least].append(block)
             end += layout.n_bytes(block)
-            parts[number % n_parts].append(block)
+        work[least] += batch * layout.n_bytes(block)
     return [part for part in parts if part], end
 
 

@@ -1,4 +1,4 @@
-"""How exactly the LSTMs multiply when predicting: they are nine tenths of the work."""
+"""How exactly the LSTMs multiply: they are nine tenths of the work."""
 
 from collections.abc import Mapping
 
@@ -18,8 +18,9 @@ PRECISIONS: Mapping[str, torch.dtype | None] = {
 def set_precision(network: nn.Module, precision: str) -> None:
     """Choose the precision of a network's LSTMs' products; all else stays float32.
 
-    They only say which layer matters, so rounding there shifts the answer little;
-    bfloat16 pays where the processor multiplies it faster (AMX, AVX-512 BF16).
+    They only say which layer matters, so rounding there shifts the answer little, in
+    training as well: weights stay float32, gradients are added up in it. bfloat16 pays
+    where the processor multiplies it faster (AMX, AVX-512 BF16).
 
     Parameters
     ----------
