@@ -99,6 +99,7 @@ class Reading:
     """What is read, cut into blocks."""
 
     def __init__(self, tensors: Sequence[Any], way: Way) -> None:
+        tensors = [None if x is None else x.detach() for x in tensors]
         weights, self.given = Weights(*tensors[:3]), Given.of(tensors[3:])
         dtype = way.precision or weights.matrix.dtype
         self.weights = weights._replace(matrix=weights.matrix.to(dtype))

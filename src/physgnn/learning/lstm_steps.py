@@ -159,5 +159,5 @@ def _state(block: Block, given: Given, states: States, k: int, inputs: Tensor) -
 
 def _array(tensor: Tensor) -> NDArray[np.generic]:
     bits = tensor.view(torch.uint16) if tensor.dtype == torch.bfloat16 else tensor
-    array: NDArray[np.generic] = bits.detach().numpy()
+    array: NDArray[np.generic] = bits.numpy()
     return array
