@@ -83,6 +83,21 @@ def test_an_anchor_brings_loads_near_it_nearer(block: TetMesh) -> None:
     assert not anchored[block.point_set("fixed")].any()
 
 
+def test_repairs_start_from_the_anchor_next_to_a_load(block: TetMesh) -> None:
+    model = with_anchor(block, 0.8)
+    for share, state in ((0.7, model.states[0].numpy()), (0.1, 0.0 * block.points)):
+        case = push(block, share)
+        known = model.nearest_known(case.on_points(block.n_points))
+        np.testing.assert_array_equal(known.displacement, state)
+
+
+def test_an_answer_out_of_equilibrium_is_flagged(block: TetMesh) -> None:
+    model = ReducedModel(body_of(block))
+    predictor = Predictor.of(model)
+    assert predictor(push(block)).status.usable
+    assert not predictor(push(block, 1e4)).status.usable
+
+
 def test_turning_body_and_load_turns_the_answer(block: TetMesh) -> None:
     turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))

@@ -154,6 +154,17 @@ class Model(nn.Module, ABC):
         for name, part in self.named_children():
             setattr(self, name, copy.deepcopy(part).train())
 
+    def deploy(self) -> None:
+        """Answer as well as the model can, from now on; training hasn't called this."""
+
+    def refine(
+        self,
+        load_case: LoadCase,  # noqa: ARG002
+        displacement: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Improve on the network's answer (n_points, 3), mm, if there's a way to."""
+        return displacement
+
     def release(self) -> None:
         """Free what encoding keeps in memory; it's made again when needed."""
 

@@ -7,6 +7,7 @@ so that a body turned with its load has its answer turned.
 """
 
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import torch
@@ -51,7 +52,7 @@ class LiftedModel(Model):
         and then nothing learnt belongs to this body alone.
     """
 
-    elements = ELEMENTS
+    elements: ClassVar[tuple[str, ...]] = ELEMENTS
     axes: Tensor
     free: Tensor
     anchor_states: Tensor

@@ -24,14 +24,16 @@ from physgnn.learning.load_distance import LoadDistance, farthest
 from physgnn.learning.mesh_gradient import points_within
 from physgnn.mechanics.assembly import make_pattern
 from physgnn.mechanics.element import make_elements
+from physgnn.mechanics.known_states import KnownState
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.local_expansion import LocalExpansion
+from physgnn.mechanics.local_expansion import LocalAnswer, LocalExpansion
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 KEPT_AT_ONCE = 256  # expansions; one about 17 points takes 6 MB on 9000
+FACTORS_AT_ONCE = 6  # of known states, 80 MB each
 LEAST_MM = 1e-9  # a distance can't be zero in a weight
 
 
@@ -90,6 +92,7 @@ class ReducedModel(Model):
         self.register_buffer("loads", torch.zeros(shape))
         self._known: _KnownLoads | None = None
         self._about = lru_cache(KEPT_AT_ONCE)(self._expansion)
+        self._state = lru_cache(FACTORS_AT_ONCE)(self._known_state)
         self.register_load_state_dict_post_hook(_forget)  # type: ignore[no-untyped-call]
 
     def fit(self, store: Store, samples: IntArray) -> None:
@@ -121,41 +124,71 @@ class ReducedModel(Model):
         """Drop what was made from the anchors; it's made again when needed."""
         self._known = None
         self._about.cache_clear()
+        self._state.cache_clear()
 
     def encode(self, load_case: LoadCase) -> Tensor:
         """Return the answer, (n_points, 3) float32, mm: all is done here."""
         force = load_case.on_points(self.body.mesh.n_points)
-        nodes = tuple(np.flatnonzero(force.any(axis=1)).tolist())
         found = list(islice(self._converged(force), self.together))
         if not found:
-            return as_float32(self._about(None, nodes)(force).displacement)
+            return as_float32(self.from_rest(load_case).displacement)
         weights = np.array([weight for weight, _ in found])
         answers = np.stack([u for _, u in found])
         return as_float32(np.tensordot(weights / weights.sum(), answers, axes=1))
 
+    def from_rest(self, load_case: LoadCase) -> LocalAnswer:
+        """Return the answer about the rest state, whatever anchors there are."""
+        force = load_case.on_points(self.body.mesh.n_points)
+        nodes = tuple(np.flatnonzero(force.any(axis=1)).tolist())
+        return self._about(None, nodes)(force)
+
+    def is_known(self, load_case: LoadCase) -> bool:
+        """Return whether an anchor loads every point that a load acts on."""
+        force = load_case.on_points(self.body.mesh.n_points)
+        return any(k is not None for k, _, _ in self._nearest(force))
+
+    def is_sound(self, load_case: LoadCase) -> bool:
+        """Return whether the cells near the loads are in equilibrium in the answer."""
+        force = load_case.on_points(self.body.mesh.n_points)
+        return next(self._converged(force), None) is not None
+
+    def nearest_known(self, force: FloatArray) -> KnownState:
+        """Return the nearest anchor that loads every point a force loads, or rest."""
+        k, _, _ = next(self._nearest(force))
+        return self._state(k)
+
     def _converged(self, force: FloatArray) -> Iterator[tuple[float, FloatArray]]:
         """Yield weights and answers about anchors, the nearest first."""
-        if self._known is None:
-            self._known = _KnownLoads(self.body, self.loads.cpu().numpy())
-        for k, distance, nodes in self._known.nearest(force):
+        for k, distance, nodes in self._nearest(force):
             answer = self._about(k, nodes)(force)
             if answer.converged:
                 yield max(distance, LEAST_MM) ** -4.0, answer.displacement
 
+    def _nearest(
+        self, force: FloatArray
+    ) -> Iterator[tuple[int | None, float, tuple[int, ...]]]:
+        if self._known is None:
+            self._known = _KnownLoads(self.body, self.loads.cpu().numpy())
+        return self._known.nearest(force)
+
+    def _known_state(self, k: int | None) -> KnownState:
+        return KnownState.of(self._elements, self._pattern, self._displacement(k))
+
+    def _displacement(self, k: int | None) -> FloatArray:
+        """Return an anchor's displacement, or that of the rest state."""
+        if k is None:
+            return np.zeros_like(self.body.mesh.points)
+        return self.states[k].cpu().numpy().astype(np.float64)
+
     def _expansion(self, k: int | None, nodes: tuple[int, ...]) -> LocalExpansion:
         """Expand about an anchor, or the rest state, exact around some nodes."""
-        mesh = self.body.mesh
         reach = self.reach_from_rest if k is None else self.reach
-        state = (
-            np.zeros_like(mesh.points)
-            if k is None
-            else self.states[k].cpu().numpy().astype(np.float64)
-        )
-        near = points_within(mesh, np.array(nodes, dtype=np.int64), reach)
+        loaded = np.array(nodes, dtype=np.int64)
+        near = points_within(self.body.mesh, loaded, reach)
         return LocalExpansion(
             self._elements,
             self._pattern,
-            state,
+            self._displacement(k),
             np.flatnonzero(near),
             self._linear,
         )

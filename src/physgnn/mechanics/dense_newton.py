@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 MAX_STEPS = 40
 MAX_HALVINGS = 30
 ENOUGH = 1e-4  # of the fall in energy that the slope promises (Armijo's rule)
-ROUNDING = 1e-12  # of the energy, must not turn down the last, tiny steps
+ROUNDING = 1e-12  # of the energy, must not turn down small steps
 TOLERANCE_MM = 1e-4
 
 
@@ -46,7 +46,7 @@ class Minimum:
     x : (n,) array
         The unknowns.
     converged : bool
-        Whether the last step was whole and shorter than `TOLERANCE_MM`.
+        Whether the last step was shorter than `TOLERANCE_MM`.
     steps : int
         Newton steps taken.
     """
@@ -71,6 +71,8 @@ def minimise(body: SmallBody, load: FloatArray, start: FloatArray) -> Minimum:
     for steps in range(1, MAX_STEPS + 1):
         residual = load - body.force(x)
         step = _downwards(body, x, residual)
+        if np.abs(step).max() < TOLERANCE_MM and np.isfinite(body.energy(x + step)):
+            return Minimum(x + step, True, steps)  # its fall in energy is rounding
         scale, slope = 1.0, float(step @ residual)
         for _ in range(MAX_HALVINGS):
             moved = x + scale * step
@@ -81,8 +83,6 @@ def minimise(body: SmallBody, load: FloatArray, start: FloatArray) -> Minimum:
         else:
             return Minimum(x, False, steps)
         x, energy = moved, lower
-        if scale == 1.0 and np.abs(step).max() < TOLERANCE_MM:
-            return Minimum(x, True, steps)
     return Minimum(x, False, MAX_STEPS)
 
 

@@ -17,15 +17,16 @@ the minimum of an energy, found by Newton's method with a line search along whic
 cell inverts.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
+from physgnn.mechanics.assembly import Pattern, assemble_tangent
 from physgnn.mechanics.dense_newton import minimise
-from physgnn.mechanics.element import Elements, internal_force, strain_energy
+from physgnn.mechanics.element import Elements, internal_force
 from physgnn.mechanics.linear_solver import LinearSolver
+from physgnn.mechanics.patch import Patch, cut_out
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -87,7 +88,7 @@ class LocalExpansion:
         if inverted >= 0 or not linear.factorize(data):
             raise ValueError("the state to expand about is not stable")
         self._free, self._shape = pattern.free, state.shape
-        part, moving, self._dofs = _cut_out(elements, pattern, points)
+        part, moving, self._dofs = cut_out(elements, pattern, points)
         self._columns, G = _columns(linear, self._dofs, pattern.n_unknowns)
         self._state = state[pattern.free].ravel()
         self._load = internal_force(elements, state)[0][pattern.free].ravel()
@@ -97,7 +98,7 @@ class LocalExpansion:
         self._let_go = -linear.solve(elsewhere)
         self._start = self._state[self._dofs]
         stiffness = np.linalg.inv((G + G.T) / 2).astype(np.float64)
-        self._patch = _Patch.on_springs(part, moving, self._start, stiffness)
+        self._patch = Patch.on_springs(part, moving, self._start, stiffness)
         self._balance = self._patch.force(self._start) - self._load[self._dofs]
         self._balance += self._patch.stable @ self._let_go[self._dofs]
 
@@ -112,81 +113,6 @@ class LocalExpansion:
             -1, 3
         )
         return LocalAnswer(u, found.converged, found.steps)
-
-
-@dataclass(frozen=True, eq=False)
-class _Patch:
-    """A part of a body, held by springs S that stand for the rest of it.
-
-    `moving` are its points that aren't fixed, `pattern` leaves out those without cells
-    of their own too; `stable` is the stiffness of all at the state S was made for.
-    """
-
-    elements: Elements
-    moving: IntArray
-    pattern: Pattern
-    springs: FloatArray
-    stable: FloatArray
-
-    @classmethod
-    def on_springs(
-        cls, elements: Elements, moving: IntArray, x: FloatArray, stiffness: FloatArray
-    ) -> "_Patch":
-        """Make the springs such that the stiffness of the whole at x is as given."""
-        everywhere = np.arange(elements.n_points)
-        unknown = np.intersect1d(moving, elements.cells)
-        pattern = make_pattern(
-            elements.cells, elements.n_points, np.setdiff1d(everywhere, unknown)
-        )
-        loose = cls(elements, moving, pattern, np.zeros_like(stiffness), stiffness)
-        return replace(loose, springs=stiffness - loose.stiffness(x))
-
-    def energy(self, x: FloatArray) -> float:
-        own = strain_energy(self.elements, self._displacement(x))
-        return own + 0.5 * float(x @ self.springs @ x)
-
-    def force(self, x: FloatArray) -> FloatArray:
-        own, _ = internal_force(self.elements, self._displacement(x))
-        total: FloatArray = own[self.moving].ravel() + self.springs @ x
-        return total
-
-    def stiffness(self, x: FloatArray) -> FloatArray:
-        own, _ = assemble_tangent(self.elements, self.pattern, self._displacement(x))
-        at = np.searchsorted(self.moving, self.pattern.free)
-        at = (3 * at[:, None] + np.arange(3)).ravel()
-        row, column = at.repeat(np.diff(self.pattern.indptr)), at[self.pattern.indices]
-        K = self.springs.copy()
-        K[row, column] += own
-        off_diagonal = row != column
-        K[column[off_diagonal], row[off_diagonal]] += own[off_diagonal]
-        return K
-
-    def _displacement(self, x: FloatArray) -> FloatArray:
-        u = np.zeros((self.elements.n_points, 3))
-        u[self.moving] = x.reshape(-1, 3)
-        return u
-
-
-def _cut_out(
-    elements: Elements, pattern: Pattern, points: IntArray
-) -> tuple[Elements, IntArray, IntArray]:
-    """Return the cells among some points, which of these move, and their unknowns."""
-    points = np.unique(points)
-    place = np.full(elements.n_points, -1, dtype=np.int32)
-    place[points] = np.arange(len(points), dtype=np.int32)
-    inside = (place[elements.cells] >= 0).all(axis=1)
-    part = replace(
-        elements,
-        cells=np.ascontiguousarray(place[elements.cells[inside]]),
-        gradients=elements.gradients[inside],
-        volumes=elements.volumes[inside],
-        law=elements.law[inside],
-        constants=elements.constants[inside],
-        n_points=len(points),
-    )
-    rows = pattern.row[points]
-    dofs = (3 * rows[rows >= 0, None].astype(np.int64) + np.arange(3)).ravel()
-    return part, np.flatnonzero(rows >= 0), dofs
 
 
 def _columns(

@@ -1,12 +1,14 @@
 """What a predictor asks of a trained model: answers, and the equilibria it carries."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import torch
 
+from physgnn.learning.combined import CombinedModel
 from physgnn.learning.interface import Model
 from physgnn.learning.lifted import LiftedModel, body_axes
+from physgnn.learning.reduced import ReducedModel
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.known_states import KnownState, NearestKnown
 from physgnn.mechanics.loads import LoadCase
@@ -17,6 +19,8 @@ TINY_N = 1e-6  # leaves the rest state the nearest
 
 def nearest_known(model: Model) -> NearestKnown | None:
     """Return how to find the nearest equilibrium that a model carries with it."""
+    if (reduced := _reduced_part(model)) is not None:
+        return reduced.nearest_known
     if not isinstance(model, LiftedModel):
         return None
     axes = body_axes(model.body.mesh)
@@ -31,6 +35,17 @@ def nearest_known(model: Model) -> NearestKnown | None:
 def quick_linear(model: Model) -> Answer | None:
     """Return the linear answer that a model keeps for itself, if it does."""
     return model.linear if isinstance(model, LiftedModel) else None
+
+
+def soundness(model: Model) -> Callable[[LoadCase], bool] | None:
+    """Return how a model tells that it has no sound answer to a load, if it can."""
+    reduced = _reduced_part(model)
+    return None if reduced is None else reduced.is_sound
+
+
+def _reduced_part(model: Model) -> ReducedModel | None:
+    part = model.reduced if isinstance(model, CombinedModel) else model
+    return part if isinstance(part, ReducedModel) else None
 
 
 def first_cases(model: Model) -> Iterator[LoadCase]:
@@ -51,12 +66,13 @@ def first_cases(model: Model) -> Iterator[LoadCase]:
 def network_answer(model: Model, *, device: str = "cpu") -> Answer:
     """Return a model as a function from load case to displacement."""
     model = model.to(device).eval()
+    model.deploy()
     graph = model.body.graph.to(device)
 
     @torch.inference_mode()
     def answer(load_case: LoadCase) -> FloatArray:
         inputs = model.encode(load_case).to(device).unsqueeze(0)
         displacement: FloatArray = model(inputs, graph)[0].cpu().numpy()
-        return displacement.astype(np.float64)
+        return model.refine(load_case, displacement.astype(np.float64))
 
     return answer

@@ -1,6 +1,7 @@
 """From a load case to a displacement with an error estimate and a status."""
 
 import time
+from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from physgnn.prediction.network import (
     nearest_known,
     network_answer,
     quick_linear,
+    soundness,
 )
 from physgnn.prediction.prediction import (
     Answer,
@@ -55,6 +57,9 @@ class Predictor:
         The stable equilibria that estimates and repairs may start from.
     linear : callable, optional
         A quick way to K₀⁻¹ f, if there is one, for the indicator.
+    sound : callable, optional
+        Whether the answer to a load may be trusted, as far as its maker can tell; loads
+        with others count as outside the trained range.
     """
 
     def __init__(
@@ -66,8 +71,10 @@ class Predictor:
         relaxation: Calibration | None = None,
         known: NearestKnown | None = None,
         linear: Answer | None = None,
+        sound: Callable[[LoadCase], bool] | None = None,
     ) -> None:
         self.body = body
+        self._sound = sound
         self._known = known
         self.linear = linear
         self.answer = answer
@@ -136,6 +143,7 @@ class Predictor:
             relaxation=relaxation,
             known=nearest_known(model),
             linear=quick_linear(model),
+            sound=soundness(model),
         )
 
     def __call__(
@@ -231,9 +239,10 @@ class Predictor:
         return self.relaxation.estimate(error), likely
 
     def _status(self, load_case: LoadCase) -> PredictionStatus:
-        if self.calibration and self.calibration.trained_range.reasons_outside(
-            load_case
-        ):
+        outside = self.calibration and (
+            self.calibration.trained_range.reasons_outside(load_case)
+        )
+        if outside or (self._sound and not self._sound(load_case)):
             return PredictionStatus.OUTSIDE_TRAINED_RANGE
         return PredictionStatus.OK
 
