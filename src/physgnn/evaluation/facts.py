@@ -63,16 +63,16 @@ def model_facts(checkpoint: Checkpoint) -> dict[str, Any]:
     }
 
 
-def bound_facts(calibration: Calibration | None) -> dict[str, Any]:
-    """Return what the error bounds promise and what they rest on."""
+def bound_facts(calibration: Calibration | None, groups: str) -> dict[str, Any]:
+    """Return what the error bounds promise, for new load paths or patients, and why."""
     if calibration is None:
         return {}
     loads = calibration.trained_range
     return {
-        "promise": f"{100 * calibration.coverage:.0f} % of new load paths like those "
+        "promise": f"{100 * calibration.coverage:.0f} % of new {groups} like those "
         "trained on, each bound for itself",
         "calibrated_on": f"{calibration.n_samples} validation samples of "
-        f"{calibration.n_paths} load paths, by the {calibration.indicator}",
+        f"{calibration.n_paths} {groups}, by the {calibration.indicator}",
         "trained_range": f"{len(loads.nodes)} nodes, up to {loads.total_force_n:.3g} N "
         f"in all and {loads.nodal_force_n:.3g} N on one",
     }

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.dataset.split import Split
+from physgnn.dataset.split import MESH, Split
 from physgnn.dataset.store import Store
 from physgnn.evaluation.baselines import QUICK, baseline_rows
 from physgnn.evaluation.coverage import (
@@ -142,12 +142,13 @@ def _facts(
     report: Report, held_out: HeldOut, predictor: Predictor, run: Path, command: str
 ) -> dict[str, Any]:
     store, checkpoint = held_out.store, Checkpoint.load(run)
+    groups = "patients" if held_out.split == MESH else "load paths"
     solver_seconds = solve_seconds(predictor, store, held_out.test)
     model_seconds = report.models[-1].summary.median_seconds
     return {
         "case": case_facts(store),
         "model": model_facts(checkpoint),
-        "bounds": bound_facts(predictor.calibration),
+        "bounds": bound_facts(predictor.calibration, groups),
         "time": time_facts(store, solver_seconds, model_seconds),
         "provenance": provenance_facts(store, checkpoint, command),
         "solver_seconds": solver_seconds,
