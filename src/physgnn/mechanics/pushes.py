@@ -68,7 +68,7 @@ def push_paths(
     random = np.random.default_rng(seed)
     paths = []
     for _ in range(n_paths):
-        centre = random.integers(len(nodes))
+        centre = int(random.integers(len(nodes)))
         radius = np.exp(random.uniform(*np.log(radius_mm)))
         distance = np.linalg.norm(points - points[centre], axis=1)
         share = patch_shares(distance / radius, normals, centre)
@@ -106,7 +106,8 @@ def patch_shares(distance: FloatArray, normals: FloatArray, nearest: int) -> Flo
     share[normals @ normals[nearest] <= 0] = 0.0
     if not share.any():
         share[nearest] = 1.0
-    return share / share.sum()
+    share /= share.sum()
+    return share
 
 
 def _check(
