@@ -9,7 +9,7 @@ from physgnn.errors import InputError
 
 
 def check_folder(path: Path) -> None:
-    """Raise InputError if a file's folder isn't there; worth asking before long work."""
+    """Raise InputError if a file's folder is missing; ask before long work."""
     if not path.parent.is_dir():
         raise InputError(f"cannot write {path}: the folder {path.parent} is not there")
 

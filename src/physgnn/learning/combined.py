@@ -19,13 +19,8 @@ from physgnn.learning.interface import Body, Model
 from physgnn.learning.lifted import FloatArray, IntArray, LiftedModel
 from physgnn.learning.mesh_gradient import points_within
 from physgnn.learning.reduced import ReducedModel
-from physgnn.mechanics.assembly import make_pattern
-from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.patch import settle
 
-SETTLED = (3, 4)  # edges from the load; the second if the first fails
-MOST_SETTLED = 1200  # points; loads on many points aren't settled
 LOADED = "loaded"  # point set of a mesh; loads may come there that training hasn't
 
 
@@ -63,8 +58,6 @@ class CombinedModel(LiftedModel):
             body, anchors=anchors, together=together, reach_from_rest=reach_from_rest
         )
         self._deployed = False
-        self._elements = make_elements(body.mesh, body.materials)
-        self._pattern = make_pattern(body.mesh.cells, body.mesh.n_points, body.fixed)
 
     def fit(self, store: Store, samples: IntArray) -> None:
         """Choose the anchors, and find the points near loads and the modes."""
@@ -110,15 +103,6 @@ class CombinedModel(LiftedModel):
 
     def refine(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
         """Bring the cells near a load into equilibrium, unless anchors answered it."""
-        force = load_case.on_points(self.body.mesh.n_points)
-        loaded = np.flatnonzero(force.any(axis=1))
-        if len(loaded) == 0 or (self._deployed and self.reduced.is_known(load_case)):
+        if self._deployed and self.reduced.is_known(load_case):
             return displacement
-        for reach in SETTLED:
-            points = np.flatnonzero(points_within(self.body.mesh, loaded, reach))
-            if len(points) > MOST_SETTLED:
-                break
-            settled = settle(self._elements, self._pattern, points, displacement, force)
-            if settled is not None:
-                return settled
-        return displacement
+        return super().refine(load_case, displacement)

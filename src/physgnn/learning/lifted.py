@@ -23,6 +23,7 @@ from physgnn.learning.interface import Body, Model
 from physgnn.learning.lifted_network import LiftedNetwork, Patch
 from physgnn.learning.mesh_gradient import points_within
 from physgnn.learning.modes import leading_modes
+from physgnn.learning.near_loads import NearLoads
 from physgnn.learning.perturbation import Perturbation
 from physgnn.mechanics.element import ELEMENTS
 from physgnn.mechanics.loads import LoadCase
@@ -50,6 +51,9 @@ class LiftedModel(Model):
     modes : int
         Global shapes of the correction, added by a small network; 0 leaves them out,
         and then nothing learnt belongs to this body alone.
+    settle : int
+        Under a force on few points, cells so many edges from it are brought into
+        equilibrium with what is predicted beside them (`near_loads`); 0: none are.
     """
 
     elements: ClassVar[tuple[str, ...]] = ELEMENTS
@@ -69,12 +73,13 @@ class LiftedModel(Model):
         width: int = 32,
         layers: int = 4,
         modes: int = 16,
+        settle: int = 5,
     ) -> None:
         super().__init__()
-        if min(anchors, reach, modes) < 0 or min(width, layers) < 1:
+        if min(anchors, reach, modes, settle) < 0 or min(width, layers) < 1:
             raise InputError(
-                "anchors, reach and modes must be ≥ 0, width and layers ≥ 1 (got "
-                f"{anchors}, {reach}, {modes}, {width}, {layers})"
+                "anchors, reach, modes and settle must be ≥ 0, width and layers ≥ 1 "
+                f"(got {anchors}, {reach}, {modes}, {settle}, {width}, {layers})"
             )
         self.body = body
         self.reach = reach
@@ -83,6 +88,7 @@ class LiftedModel(Model):
         free[body.fixed] = 0.0
         # In float64 for the mechanics; the buffer beside it is the network's.
         self._axes64 = axes = body_axes(body.mesh)
+        self._near_loads = NearLoads(body, settle)
         self._turned = _turned(body, axes)
         self.register_buffer("axes", as_float32(axes), persistent=False)
         self.register_buffer("free", as_float32(free), persistent=False)
@@ -201,6 +207,10 @@ class LiftedModel(Model):
             correction = correction + torch.tensordot(shares, self.modes, dims=1)
         displacement: Tensor = (answer + self.free * size * correction) @ self.axes
         return displacement
+
+    def refine(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
+        """Bring the cells near a force on few points into equilibrium."""
+        return self._near_loads.settled(load_case, displacement)
 
     def _project(self, terms: Tensor) -> Tensor:
         """Return (batch, 3 · modes) products of three fields with the modes."""

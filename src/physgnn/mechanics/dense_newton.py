@@ -1,9 +1,10 @@
-"""The minimum of an energy of a few hundred unknowns, by Newton's method.
+"""The minimum of an energy of some hundred unknowns, by Newton's method.
 
 Each step goes no further than energy falls, and a step that inverts a cell raises the
 energy to infinity: what is found is a stable equilibrium with every det F > 0.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -34,7 +35,21 @@ class SmallBody(Protocol):
         """Return its gradient, N."""
 
     def stiffness(self, x: FloatArray) -> FloatArray:
-        """Return its second derivative, N/mm."""
+        """Return its second derivative, N/mm, (n, n) or as `Solve` takes it."""
+
+
+# From a stiffness and a force to K⁻¹ f; None if K is not positive definite.
+Solve = Callable[[FloatArray, FloatArray], FloatArray | None]
+
+
+def dense_solve(stiffness: FloatArray, force: FloatArray) -> FloatArray | None:
+    """Solve with a dense matrix."""
+    try:
+        factor = cho_factor(stiffness, check_finite=False)
+    except LinAlgError:
+        return None
+    answer: FloatArray = cho_solve(factor, force, check_finite=False)
+    return answer
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +71,9 @@ class Minimum:
     steps: int
 
 
-def minimise(body: SmallBody, load: FloatArray, start: FloatArray) -> Minimum:
+def minimise(
+    body: SmallBody, load: FloatArray, start: FloatArray, *, solve: Solve = dense_solve
+) -> Minimum:
     """Descend in energy(x) − load·x.
 
     Parameters
@@ -66,11 +83,12 @@ def minimise(body: SmallBody, load: FloatArray, start: FloatArray) -> Minimum:
         Dead force on the unknowns, N.
     start : (n,) array
         No cell may be inverted there.
+    solve : callable
     """
     x, energy = start, body.energy(start) - float(load @ start)
     for steps in range(1, MAX_STEPS + 1):
         residual = load - body.force(x)
-        step = _downwards(body, x, residual)
+        step = _downwards(body, x, residual, solve)
         if np.abs(step).max() < TOLERANCE_MM and np.isfinite(body.energy(x + step)):
             return Minimum(x + step, True, steps)  # its fall in energy is rounding
         scale, slope = 1.0, float(step @ residual)
@@ -86,14 +104,11 @@ def minimise(body: SmallBody, load: FloatArray, start: FloatArray) -> Minimum:
     return Minimum(x, False, MAX_STEPS)
 
 
-def _downwards(body: SmallBody, x: FloatArray, residual: FloatArray) -> FloatArray:
+def _downwards(
+    body: SmallBody, x: FloatArray, residual: FloatArray, solve: Solve
+) -> FloatArray:
     """Return Newton's step, or where K is indefinite one that leads down too."""
     K, share = body.stiffness(x), 0.0
-    while True:
-        try:
-            factor = cho_factor(K + share * body.stable, check_finite=False)
-        except LinAlgError:
-            share = max(4 * share, 1e-3)
-            continue
-        step: FloatArray = cho_solve(factor, residual, check_finite=False)
-        return step
+    while (step := solve(K + share * body.stable, residual)) is None:
+        share = max(4 * share, 1e-3)
+    return step

@@ -1,4 +1,4 @@
-"""A few cells of a body, held by springs or by their neighbours' displacement."""
+"""A few cells of a body, and the springs that the rest of it is to them."""
 
 from dataclasses import dataclass, replace
 
@@ -6,14 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
-from physgnn.mechanics.dense_newton import minimise
 from physgnn.mechanics.element import Elements, internal_force, strain_energy
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-MIN_STEP = 1 / 64  # of the way from rest
-SMALL_MM = 1e-6  # displacement that forces are linear in
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +28,6 @@ class Patch:
         S over the unknowns, N/mm: what holds it beside its own cells.
     stable : (n, n) array
         A positive definite stiffness of all.
-    held : (n_points, 3) array
-        Displacement of the points that are not unknown, mm.
     """
 
     elements: Elements
@@ -41,42 +35,17 @@ class Patch:
     pattern: Pattern
     springs: FloatArray
     stable: FloatArray
-    held: FloatArray
 
     @classmethod
     def on_springs(
         cls, elements: Elements, moving: IntArray, x: FloatArray, stiffness: FloatArray
     ) -> "Patch":
         """Make the springs such that the stiffness of the whole at x is as given."""
-        loose = cls._held(elements, moving, np.zeros((elements.n_points, 3)))
-        springs = stiffness - loose.stiffness(x)
-        return replace(loose, springs=springs, stable=stiffness)
-
-    @classmethod
-    def clamped(cls, elements: Elements, moving: IntArray, held: FloatArray) -> "Patch":
-        """Hold the other points where they are displaced to."""
-        patch = cls._held(elements, moving, held)
-        at_rest = replace(patch, held=np.zeros_like(held))
-        return replace(patch, stable=at_rest.stiffness(np.zeros(3 * len(moving))))
-
-    @classmethod
-    def _held(cls, elements: Elements, moving: IntArray, held: FloatArray) -> "Patch":
         everywhere = np.arange(elements.n_points)
-        unknown = np.intersect1d(moving, elements.cells)
-        pattern = make_pattern(
-            elements.cells, elements.n_points, np.setdiff1d(everywhere, unknown)
-        )
-        nothing = np.zeros((3 * len(moving), 3 * len(moving)))
-        return cls(elements, moving, pattern, nothing, nothing, held)
-
-    def smooth(self) -> FloatArray:
-        """Return the unknowns as what is held pulls them along, by linear response."""
-        at_rest = replace(self, held=np.zeros_like(self.held))
-        nothing = np.zeros(3 * len(self.moving))
-        tiny = SMALL_MM / max(float(np.abs(self.held).max()), SMALL_MM)
-        pulled = replace(self, held=tiny * self.held).force(nothing) / tiny
-        push = at_rest.force(nothing) / tiny - pulled
-        return np.linalg.solve(self.stable, push).astype(np.float64)
+        without = np.setdiff1d(everywhere, np.intersect1d(moving, elements.cells))
+        pattern = make_pattern(elements.cells, elements.n_points, without)
+        loose = cls(elements, moving, pattern, np.zeros_like(stiffness), stiffness)
+        return replace(loose, springs=stiffness - loose.stiffness(x))
 
     def energy(self, x: FloatArray) -> float:
         """Return the energy of cells and springs, N mm."""
@@ -102,7 +71,7 @@ class Patch:
         return K
 
     def _displacement(self, x: FloatArray) -> FloatArray:
-        u = self.held.copy()
+        u = np.zeros((self.elements.n_points, 3))
         u[self.moving] = x.reshape(-1, 3)
         return u
 
@@ -116,13 +85,16 @@ def cut_out(
     place[points] = np.arange(len(points), dtype=np.int32)
     inside = np.asarray((place[elements.cells] >= 0).all(axis=1), dtype=np.bool_)
     cells = np.ascontiguousarray(place[elements.cells])
-    part = replace(_some(replace(elements, cells=cells), inside), n_points=len(points))
+    part = replace(
+        some_cells(replace(elements, cells=cells), inside), n_points=len(points)
+    )
     rows = pattern.row[points]
     dofs = (3 * rows[rows >= 0, None].astype(np.int64) + np.arange(3)).ravel()
     return part, np.flatnonzero(rows >= 0), dofs
 
 
-def _some(elements: Elements, cells: NDArray[np.bool_]) -> Elements:
+def some_cells(elements: Elements, cells: NDArray[np.bool_]) -> Elements:
+    """Return some of the cells; points keep their numbers."""
     return replace(
         elements,
         cells=np.ascontiguousarray(elements.cells[cells]),
@@ -131,72 +103,3 @@ def _some(elements: Elements, cells: NDArray[np.bool_]) -> Elements:
         law=elements.law[cells],
         constants=elements.constants[cells],
     )
-
-
-def settle(
-    elements: Elements,
-    pattern: Pattern,
-    points: IntArray,
-    guess: FloatArray,
-    force: FloatArray,
-) -> FloatArray | None:
-    """Bring some points into equilibrium, all others staying where a guess has them.
-
-    Parameters
-    ----------
-    elements, pattern : Elements, Pattern
-        Of the whole body; linear tetrahedra that are not averaged.
-    points : integer array
-        The patch. Those with cells beyond it stay too.
-    guess : (n_points, 3) array
-        mm.
-    force : (n_points, 3) array
-        N.
-
-    Returns
-    -------
-    (n_points, 3) array or None
-        mm; None if no equilibrium was found.
-    """
-    points = np.unique(points)
-    part, free, _ = cut_out(elements, pattern, points)
-    inside = np.isin(elements.cells, points)
-    touched = elements.cells[inside.any(axis=1) & ~inside.all(axis=1)]
-    moving = np.setdiff1d(free, np.flatnonzero(np.isin(points, touched)))
-    # Cells that can't change shape don't matter, and may be inverted in the guess.
-    change = np.asarray(np.isin(part.cells, moving).any(axis=1), dtype=np.bool_)
-    part = _some(part, change)
-    patch = Patch.clamped(part, moving, guess[points])
-    x = _drawn(patch, force[points[moving]].ravel())
-    if x is None:
-        return None
-    settled = guess.copy()
-    settled[points[moving]] = x.reshape(-1, 3)
-    return settled
-
-
-def _drawn(patch: Patch, load: FloatArray) -> FloatArray | None:
-    """Let load and held points' displacement grow from nothing, at once if it goes."""
-    x, way = np.zeros_like(load), patch.smooth()
-    done, step = 0.0, 1.0
-    while done < 1.0:
-        share = min(done + step, 1.0)
-        found = _minimum(
-            replace(patch, held=share * patch.held),
-            share * load,
-            x + (share - done) * way,
-        )
-        if found is None:
-            step /= 2
-            if step < MIN_STEP:
-                return None
-            continue
-        x, done = found, share
-    return x
-
-
-def _minimum(patch: Patch, load: FloatArray, start: FloatArray) -> FloatArray | None:
-    if not np.isfinite(patch.energy(start)):
-        return None
-    found = minimise(patch, load, start)
-    return found.x if found.converged else None

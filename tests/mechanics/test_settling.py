@@ -9,7 +9,7 @@ from physgnn.mechanics.assembly import Pattern, make_pattern
 from physgnn.mechanics.element import Elements, make_elements
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.patch import settle
+from physgnn.mechanics.settling import settle
 from physgnn.mechanics.solver import SolverOptions, solve
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}

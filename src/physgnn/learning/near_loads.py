@@ -1,0 +1,63 @@
+"""A network's answer near a force on few points, put right by the equations there.
+
+A force on a single point strains the cells round it far beyond what a network has seen;
+one that is spread over a patch does not.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.dataset.definition import DEFAULT_ELEMENT
+from physgnn.learning.interface import Body
+from physgnn.learning.mesh_gradient import points_within
+from physgnn.mechanics.assembly import Pattern, make_pattern
+from physgnn.mechanics.element import Elements, make_elements
+from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.settling import settle
+
+FloatArray = NDArray[np.float64]
+
+FEW = 3  # loaded points
+LEAST_REACH = 3  # edges
+
+
+class NearLoads:
+    """Settles answers of one body.
+
+    Parameters
+    ----------
+    body : Body
+        What is loaded. Answers with averaged elements are left as they are.
+    reach : int
+        Edges from the load to the end of the patch; 0 leaves all answers as they are.
+    """
+
+    def __init__(self, body: Body, reach: int) -> None:
+        self._body, self._reach = body, reach
+
+    @cached_property
+    def _parts(self) -> tuple[Elements, Pattern]:
+        mesh, fixed = self._body.mesh, self._body.fixed
+        elements = make_elements(mesh, self._body.materials, self._body.element)
+        return elements, make_pattern(mesh.cells, mesh.n_points, fixed)
+
+    def settled(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
+        """Return an answer (n_points, 3), mm, with the cells near the load at rest.
+
+        It is the one given if the load acts on many points, or if no equilibrium is
+        found.
+        """
+        force = load_case.on_points(self._body.mesh.n_points)
+        loaded = np.flatnonzero(force.any(axis=1))
+        if not 0 < len(loaded) <= FEW or self._body.element != DEFAULT_ELEMENT:
+            return displacement
+        least = min(self._reach, LEAST_REACH)
+        # Where an outer cell is turned over, a smaller patch may still do.
+        for reach in range(self._reach, max(least - 1, 0), -1):
+            points = np.flatnonzero(points_within(self._body.mesh, loaded, reach))
+            found = settle(*self._parts, points, displacement, force)
+            if found is not None:
+                return found
+        return displacement
