@@ -61,6 +61,8 @@ class SolverOptions:
 
 
 DEFAULT_OPTIONS = SolverOptions()
+# Farther, in largest displacements so far, cells were blown out, not snapped through.
+FARTHEST_FALL = 1.0
 SMALL_FACTOR = 2.0**-20  # a power of two: dividing by it loses nothing
 
 
@@ -188,8 +190,8 @@ def _advance(walk: PathFollower, target: float) -> tuple[Equilibrium, str]:
         return stuck, ""
     reached, before = walk.reached, walk.state
     found = walk.fall(target)
-    if found.status == Status.CONVERGED:
-        way = largest_norm(found.state - before)
+    way = largest_norm(found.state - before)
+    if found.status == Status.CONVERGED and way < FARTHEST_FALL * largest_norm(before):
         return found, f"snapped through at load factor {reached:.4f} by {way:.2g} mm"
     where = f" (cell {stuck.inverted})" if stuck.inverted >= 0 else ""
     return stuck, f"stopped at load factor {reached:.4f}: {stuck.status.remedy}{where}"
