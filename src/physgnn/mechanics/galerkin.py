@@ -12,15 +12,15 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
-from physgnn.mechanics.dense_newton import Minimum, minimise
 from physgnn.mechanics.element import Elements, internal_force, strain_energy
+from physgnn.mechanics.small_newton import Minimum, minimise
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
 class GalerkinBody:
-    """A body in a small space; it is what `dense_newton.minimise` asks for.
+    """A body in a small space; it is what `small_newton.minimise` asks for.
 
     Parameters
     ----------

@@ -159,8 +159,6 @@ def cone_paths(
     size = len(nodes) if nodes_per_path is None else nodes_per_path
     if not 1 <= size <= len(nodes):
         raise InputError(f"nodes_per_path must be in 1…{len(nodes)} (got {size})")
-    if not 0 <= cone_deg <= 180:
-        raise InputError(f"cone_deg must be in 0…180 (got {cone_deg})")
     random = np.random.default_rng(seed)
     normals = inward_normals(mesh, nodes)
     factors = equal_levels(n_levels)
@@ -234,6 +232,8 @@ def within_cone(
     random: np.random.Generator, axis: FloatArray, half_angle_deg: float
 ) -> FloatArray:
     """Return a unit vector, uniform on the cap of that half-angle about an axis."""
+    if not 0 <= half_angle_deg <= 180:
+        raise InputError(f"cone_deg must be in 0…180 (got {half_angle_deg})")
     z = random.uniform(np.cos(np.deg2rad(half_angle_deg)), 1.0)
     turn = random.uniform(0.0, 2 * np.pi)
     axis = axis / np.linalg.norm(axis)

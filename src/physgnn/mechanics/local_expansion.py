@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.mechanics.assembly import Pattern, assemble_tangent
-from physgnn.mechanics.dense_newton import minimise
 from physgnn.mechanics.element import Elements, internal_force
 from physgnn.mechanics.linear_solver import LinearSolver
 from physgnn.mechanics.patch import Patch, cut_out
+from physgnn.mechanics.small_newton import minimise
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

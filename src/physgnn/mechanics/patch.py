@@ -14,7 +14,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """A part of a body as `physgnn.mechanics.dense_newton.minimise` takes it.
+    """A part of a body as `physgnn.mechanics.small_newton.minimise` takes it.
 
     Attributes
     ----------

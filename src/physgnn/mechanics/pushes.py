@@ -62,7 +62,7 @@ def push_paths(
     InputError
         If a number is out of range.
     """
-    _check(radius_mm, force_n, nodal_force_n, cone_deg)
+    _check(radius_mm, force_n, nodal_force_n)
     nodes, factors = by_position(mesh, loaded), equal_levels(n_levels)
     points, normals = mesh.points[nodes], inward_normals(mesh, nodes)
     random = np.random.default_rng(seed)
@@ -110,9 +110,7 @@ def patch_shares(distance: FloatArray, normals: FloatArray, nearest: int) -> Flo
     return share
 
 
-def _check(
-    radius_mm: Range, force_n: Range, nodal_force_n: float, cone_deg: float
-) -> None:
+def _check(radius_mm: Range, force_n: Range, nodal_force_n: float) -> None:
     for name, (low, high) in (("radius_mm", radius_mm), ("force_n", force_n)):
         if not 0 < low <= high:
             raise InputError(
@@ -120,5 +118,3 @@ def _check(
             )
     if not nodal_force_n > 0:
         raise InputError(f"nodal_force_n must be > 0 (got {nodal_force_n})")
-    if not 0 <= cone_deg <= 180:
-        raise InputError(f"cone_deg must be in 0…180 (got {cone_deg})")

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
-from physgnn.mechanics.dense_newton import minimise
 from physgnn.mechanics.element import Elements, internal_force, strain_energy
 from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
 from physgnn.mechanics.patch import cut_out, some_cells
+from physgnn.mechanics.small_newton import minimise
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
