@@ -12,6 +12,7 @@ from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning import reduced
 from physgnn.learning.fitting import fit
 from physgnn.learning.interface import Body
 from physgnn.learning.load_distance import LoadDistance, farthest
@@ -162,6 +163,16 @@ def test_a_run_is_fitted_saved_and_predicts(
     )
     with pytest.raises(InputError, match="holds a run already"):
         fit([store], [split], config, tmp_path / "run")
+
+
+def test_there_are_no_more_anchors_than_memory_holds(
+    store: Store, split: Split, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = ReducedModel(Body.of(store), anchors=3)
+    for n_bytes, n_anchors in ((2**30, 3), (1, 1)):
+        monkeypatch.setattr(reduced, "MAX_BYTES", n_bytes)
+        model.fit(store, split.train)
+        assert int(model.loads.flatten(1).any(dim=1).sum()) == n_anchors
 
 
 @pytest.mark.parametrize("options", [{"anchors": -1}, {"together": 0}])

@@ -154,9 +154,6 @@ class Model(nn.Module, ABC):
         for name, part in self.named_children():
             setattr(self, name, copy.deepcopy(part).train())
 
-    def deploy(self) -> None:
-        """Answer as well as the model can, from now on; training hasn't called this."""
-
     def refine(
         self,
         load_case: LoadCase,  # noqa: ARG002

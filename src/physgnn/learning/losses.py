@@ -5,8 +5,6 @@ from collections.abc import Callable, Mapping
 import torch
 from torch import Tensor
 
-TINY_MM = 1e-5  # lengths of zero have no slope
-
 
 def mean_euclidean(predicted: Tensor, true: Tensor) -> Tensor:
     """Return the mean length of the error, mm: the published loss."""
@@ -38,16 +36,9 @@ def relative_sample(predicted: Tensor, true: Tensor) -> Tensor:
     return (error / size.clamp_min(torch.finfo(size.dtype).tiny)).sqrt().mean()
 
 
-def mean_and_largest(predicted: Tensor, true: Tensor) -> Tensor:
-    """Return the mean Euclidean error, and a twentieth of each sample's largest, mm."""
-    error = ((predicted - true).square().sum(dim=-1) + TINY_MM**2).sqrt()
-    return error.mean() + error.amax(dim=-1).mean() / 20
-
-
 Loss = Callable[[Tensor, Tensor], Tensor]
 
 LOSSES: Mapping[str, Loss] = {
-    "mean_and_largest": mean_and_largest,
     "mean_euclidean": mean_euclidean,
     "mean_square": mean_square,
     "mean_absolute": mean_absolute,

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from physgnn.errors import InputError
-from physgnn.learning.combined import CombinedModel
 from physgnn.learning.galerkin import GalerkinModel
 from physgnn.learning.interface import Body, Model
 from physgnn.learning.lifted import LiftedModel
@@ -16,7 +15,6 @@ from physgnn.learning.physgnn_model import PhysGNNModel
 from physgnn.learning.reduced import ReducedModel
 
 MODELS: Mapping[str, type[Model]] = {
-    "combined": CombinedModel,
     "galerkin": GalerkinModel,
     "lifted": LiftedModel,
     "physgnn": PhysGNNModel,

@@ -7,7 +7,7 @@ another. The answers about the nearest anchors are averaged with weights 1 / dis
 so that an anchor's own load gets its own state back.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import islice
 
@@ -26,13 +26,14 @@ from physgnn.mechanics.assembly import make_pattern
 from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.known_states import KnownState
 from physgnn.mechanics.linear_solver import make_linear_solver
-from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.local_expansion import LocalAnswer, LocalExpansion
+from physgnn.mechanics.loads import LoadCase, LoadPath
+from physgnn.mechanics.local_expansion import LocalExpansion
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 KEPT_AT_ONCE = 256  # expansions; one about 17 points takes 6 MB on 9000
+MAX_BYTES = 2 * 2**30  # of the anchors' columns
 FACTORS_AT_ONCE = 6  # of known states, 80 MB each
 LEAST_MM = 1e-9  # a distance can't be zero in a weight
 
@@ -47,7 +48,8 @@ class ReducedModel(Model):
     body : Body
         What it's made for; its elements are tet4.
     anchors : int
-        How many training samples to expand about.
+        How many training samples to expand about; fewer if so many points are loaded
+        that they would take more than 2 GB.
     together : int
         How many of the nearest anchors to average the answers of.
     reach : int
@@ -118,7 +120,15 @@ class ReducedModel(Model):
         # Coordinates are linear in the force: a level is a factor.
         factor = store.load_factors[samples[:, 1], None]
         coordinates = factor * distance.coordinates(forces)[path]
-        return samples[farthest(coordinates, len(self.states))]
+        return samples[farthest(coordinates, self._affordable(paths))]
+
+    def _affordable(self, paths: Sequence[LoadPath]) -> int:
+        """Return how many anchors' columns fit into memory, at least one."""
+        mesh = self.body.mesh
+        near = (points_within(mesh, path.nodes, self.reach) for path in paths)
+        widest = max(int(points.sum()) for points in near)
+        n_bytes = 4 * 3 * widest * 3 * mesh.n_points
+        return min(len(self.states), max(MAX_BYTES // n_bytes, 1))
 
     def forget(self) -> None:
         """Drop what was made from the anchors; it's made again when needed."""
@@ -131,21 +141,11 @@ class ReducedModel(Model):
         force = load_case.on_points(self.body.mesh.n_points)
         found = list(islice(self._converged(force), self.together))
         if not found:
-            return as_float32(self.from_rest(load_case).displacement)
+            nodes = tuple(np.flatnonzero(force.any(axis=1)).tolist())
+            return as_float32(self._about(None, nodes)(force).displacement)
         weights = np.array([weight for weight, _ in found])
         answers = np.stack([u for _, u in found])
         return as_float32(np.tensordot(weights / weights.sum(), answers, axes=1))
-
-    def from_rest(self, load_case: LoadCase) -> LocalAnswer:
-        """Return the answer about the rest state, whatever anchors there are."""
-        force = load_case.on_points(self.body.mesh.n_points)
-        nodes = tuple(np.flatnonzero(force.any(axis=1)).tolist())
-        return self._about(None, nodes)(force)
-
-    def is_known(self, load_case: LoadCase) -> bool:
-        """Return whether an anchor loads every point that a load acts on."""
-        force = load_case.on_points(self.body.mesh.n_points)
-        return any(k is not None for k, _, _ in self._nearest(force))
 
     def is_sound(self, load_case: LoadCase) -> bool:
         """Return whether the cells near the loads are in equilibrium in the answer."""

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import torch
 
-from physgnn.learning.combined import CombinedModel
 from physgnn.learning.interface import Model
 from physgnn.learning.lifted import LiftedModel, body_axes
 from physgnn.learning.reduced import ReducedModel
@@ -19,8 +18,8 @@ TINY_N = 1e-6  # leaves the rest state the nearest
 
 def nearest_known(model: Model) -> NearestKnown | None:
     """Return how to find the nearest equilibrium that a model carries with it."""
-    if (reduced := _reduced_part(model)) is not None:
-        return reduced.nearest_known
+    if isinstance(model, ReducedModel):
+        return model.nearest_known
     if not isinstance(model, LiftedModel):
         return None
     axes = body_axes(model.body.mesh)
@@ -39,13 +38,7 @@ def quick_linear(model: Model) -> Answer | None:
 
 def soundness(model: Model) -> Callable[[LoadCase], bool] | None:
     """Return how a model tells that it has no sound answer to a load, if it can."""
-    reduced = _reduced_part(model)
-    return None if reduced is None else reduced.is_sound
-
-
-def _reduced_part(model: Model) -> ReducedModel | None:
-    part = model.reduced if isinstance(model, CombinedModel) else model
-    return part if isinstance(part, ReducedModel) else None
+    return model.is_sound if isinstance(model, ReducedModel) else None
 
 
 def first_cases(model: Model) -> Iterator[LoadCase]:
@@ -66,7 +59,6 @@ def first_cases(model: Model) -> Iterator[LoadCase]:
 def network_answer(model: Model, *, device: str = "cpu") -> Answer:
     """Return a model as a function from load case to displacement."""
     model = model.to(device).eval()
-    model.deploy()
     graph = model.body.graph.to(device)
 
     @torch.inference_mode()
