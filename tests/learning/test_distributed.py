@@ -69,4 +69,6 @@ def test_two_processes_have_the_loss_curve_of_one(
             assert float(of_two[name]) == pytest.approx(float(of_one[name]), rel=1e-4)
     expected = Checkpoint.load(one).model.state_dict()
     for name, value in Checkpoint.load(two).model.state_dict().items():
+        if name.endswith("score.bias"):
+            continue  # softmax cancels it: its gradient is rounding, which AdamW scales
         torch.testing.assert_close(value, expected[name], rtol=1e-3, atol=1e-5)

@@ -6,8 +6,8 @@ from torch import Tensor
 
 from physgnn.learning import lstm_blocks
 from physgnn.learning.lstm import Way
-from physgnn.learning.lstm_common import lstm_scores, read_common
 from physgnn.learning.lstm_data import Weights
+from physgnn.learning.lstm_shared import lstm_scores, read_shared
 
 WIDTH, SIZE, STEPS = 5, 8, 3
 
@@ -92,7 +92,7 @@ def test_what_samples_have_in_common_may_be_read_once(
         for x, y in zip(own, common, strict=True)
     ]
     way = Way(keep=keep)
-    scores = lstm_scores(own, weights, read_common(common, weights, way), way)
+    scores = lstm_scores(own, weights, read_shared(common, weights, way), way)
     there = [y for y in common if len(y)]
     check(scores, textbook(whole, weights), [*weights, *own, *there])
 

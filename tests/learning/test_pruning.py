@@ -42,9 +42,8 @@ def loaded_features(graph: Graph, *, batch: int, nodes: list[int]) -> Tensor:
 
 
 def whole(network: PhysGNN, x: Tensor, graph: Graph) -> Tensor:
-    return network.head(network.outputs(x, [graph] * N_LAYERS)[-1].flatten(0, 1)).view(
-        *x.shape[:2], 3
-    )
+    last = network.outputs(x, [graph] * N_LAYERS)[-1]
+    return network.head[2:](last.flatten(0, 1)).view(*x.shape[:2], 3)
 
 
 def distance(graph: Graph, nodes: list[int]) -> Tensor:

@@ -1,7 +1,13 @@
+import pytest
 import torch
 from torch import Tensor
 
-from physgnn.learning.threads import side_by_side
+from physgnn.learning.threads import (
+    n_threads,
+    only_side_by_side,
+    shares,
+    side_by_side,
+)
 
 
 def square(part: Tensor) -> Tensor:
@@ -23,3 +29,34 @@ def test_results_come_in_order_whatever_mode_is_on() -> None:
 
 def test_one_part_needs_no_thread() -> None:
     assert side_by_side(lambda part: part + 1, [2]) == [3]
+
+
+def test_within_the_context_only_parts_are_divided() -> None:
+    before = torch.get_num_threads()
+    torch.set_num_threads(3)
+    try:
+        with only_side_by_side(), only_side_by_side():
+            assert (torch.get_num_threads(), n_threads()) == (1, 3)
+            assert side_by_side(lambda rows: rows.stop - rows.start, shares(8)) == [
+                2,
+                3,
+                3,
+            ]
+        assert (torch.get_num_threads(), n_threads()) == (3, 3)
+    finally:
+        torch.set_num_threads(before)
+
+
+def test_what_goes_wrong_in_a_part_is_told() -> None:
+    def work(part: int) -> float:
+        return 1 / part
+
+    with pytest.raises(ZeroDivisionError):
+        side_by_side(work, [1, 0])
+
+
+def test_shares_are_as_equal_as_can_be_and_one_where_threads_are_not_ours() -> None:
+    with only_side_by_side():
+        covered = [i for share in shares(5) for i in range(5)[share]]
+        assert covered == list(range(5))
+        assert shares(5, torch.device("meta")) == [slice(0, 5)]

@@ -2,8 +2,8 @@ import pytest
 import torch
 
 from physgnn.learning.lstm import Way
-from physgnn.learning.lstm_common import lstm_scores
 from physgnn.learning.lstm_data import Weights
+from physgnn.learning.lstm_shared import lstm_scores
 from physgnn.learning.workspace import give_back, reused_memory, take
 
 

@@ -6,12 +6,13 @@ from operator import is_
 import torch
 from torch import Tensor, nn
 
+from physgnn.learning.layer_mean import layer_mean
 from physgnn.learning.lstm import Way
-from physgnn.learning.lstm_common import Common, lstm_scores, read_common
 from physgnn.learning.lstm_data import Weights
+from physgnn.learning.lstm_shared import Shared, lstm_scores, read_shared
 from physgnn.learning.pruning import filled
 
-Direction = tuple[Weights, Common | None]
+Direction = tuple[Weights, Shared | None]
 
 
 class JumpingKnowledge(nn.Module):
@@ -62,12 +63,7 @@ class JumpingKnowledge(nn.Module):
         (batch, n, width) tensor
         """
         scores = self._scores(layers, common) + self.score.bias
-        attention = torch.softmax(scores, dim=0)[..., None]
-        whole = _whole(layers, common)
-        mean = whole[0] * attention[0]
-        for k in range(1, len(whole)):
-            mean = torch.addcmul(mean, whole[k], attention[k])
-        return mean
+        return layer_mean(torch.softmax(scores, dim=0), _whole(layers, common))
 
     def _scores(
         self, layers: Sequence[Tensor], common: Sequence[Tensor] | None
@@ -98,8 +94,8 @@ class JumpingKnowledge(nn.Module):
         if common is None:
             return (ahead, None), (back, None)
         made = (
-            (ahead, read_common(common, ahead, way)),
-            (back, read_common(common[::-1], back, way)),
+            (ahead, read_shared(common, ahead, way)),
+            (back, read_shared(common[::-1], back, way)),
         )
         self._kept = None if training else (common, made)
         return made

@@ -1,8 +1,9 @@
-"""One layer of message passing on a shared graph."""
+"""One layer of message passing on a shared graph, with its activation."""
 
 from torch import Tensor, nn
 
 from physgnn.learning.aggregation import aggregate
+from physgnn.learning.dense import dense
 from physgnn.learning.graph import Graph
 
 
@@ -31,10 +32,14 @@ class Convolution(nn.Module):
         self.neighbours = nn.Linear(n_inputs, n_outputs)
         self.root = nn.Linear(n_inputs, n_outputs, bias=False)
 
-    def forward(self, x: Tensor, graph: Graph) -> Tensor:
+    def forward(self, x: Tensor, graph: Graph, activation: nn.PReLU) -> Tensor:
         """Return (batch, n_points, n_outputs) for x (batch, n_columns, n_inputs)."""
         message = aggregate(
             graph, x, weighted=self.weighted, aggregation=self.aggregation
         )
-        output: Tensor = self.neighbours(message) + self.root(x[:, : graph.n_points])
-        return output
+        return dense(
+            (message, x[:, : graph.n_points]),
+            (self.neighbours.weight, self.root.weight),
+            self.neighbours.bias,
+            activation.weight,
+        )

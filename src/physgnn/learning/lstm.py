@@ -15,7 +15,7 @@ from torch.autograd.function import once_differentiable
 from physgnn.learning.lstm_blocks import Block, Layout, blocks_of
 from physgnn.learning.lstm_data import Given, Weights
 from physgnn.learning.lstm_steps import Back, Found, read, read_back
-from physgnn.learning.threads import side_by_side
+from physgnn.learning.threads import n_threads, side_by_side
 from physgnn.learning.workspace import give_back, take
 
 
@@ -106,7 +106,7 @@ class Reading:
         self.layout = Layout(weights.size, dtype, weights.bias.dtype)
         self.batch = len(self.given.own[0])
         self.parts, self.n_bytes = blocks_of(
-            self.given.counts, self.batch, self.layout, torch.get_num_threads()
+            self.given.counts, self.batch, self.layout, n_threads()
         )
 
     def room(self, end: bool) -> tuple[Tensor, ...]:

@@ -19,13 +19,13 @@ def largest(edges, x, y, which, rows):  # type: ignore[no-untyped-def]
     y, which : (batch, n_points, width) arrays
         Out: the largest values, or 0 without neighbours, and the edges (int32) they
         came along; of several, the first.
-    rows : (2,) integers
-        The points to do: the first, and the one after the last.
+    rows : slice
+        The points to do.
     """
     row_start, column, weight = edges
     width = x.shape[2]
     for sample in range(len(x)):
-        for row in range(rows[0], rows[1]):
+        for row in range(rows.start, rows.stop):
             best, edge = y[sample, row], which[sample, row]
             best[:] = 0
             edge[:] = -1
@@ -51,14 +51,14 @@ def largest_back(edges, of_y, which, of_x, columns):  # type: ignore[no-untyped-
         The gradient of y.
     of_x : (batch, n_columns, width) array
         Added to.
-    columns : (2,) integers
-        The columns to do: the first, and the one after the last.
+    columns : slice
+        The columns to do.
     """
     _, column, weight = edges
     for sample in range(len(of_y)):
         for row in range(of_y.shape[1]):
             gradient, edge = of_y[sample, row], which[sample, row]
-            for j in range(columns[0], columns[1]):
+            for j in range(columns.start, columns.stop):
                 e = edge[j]
                 if e >= 0:
                     of_x[sample, column[e], j] += weight[e] * gradient[j]

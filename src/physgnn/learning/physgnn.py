@@ -7,9 +7,11 @@ from torch import Tensor, nn
 from physgnn.errors import InputError
 from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.convolution import Convolution
+from physgnn.learning.dense import dense
 from physgnn.learning.dropout import SampleDropout
 from physgnn.learning.graph import Graph
 from physgnn.learning.pruning import Pruning, Rest, filled
+from physgnn.learning.threads import only_side_by_side
 
 N_INPUTS = 7
 LAYERS_A_BLOCK = 3
@@ -99,16 +101,18 @@ class PhysGNN(nn.Module):
             single: Tensor = self(x[None], graph)[0]
             return single
         graph.check_rows(x)
-        last = self.pruning.last_output(self, x, graph)
-        if last is None:
-            last = self.outputs(x, [graph] * N_LAYERS)[-1]
-        displacement: Tensor = self.head(last.flatten(0, 1)).view(*x.shape[:2], 3)
-        return displacement
+        with only_side_by_side():
+            last = self.pruning.last_output(self, x, graph)
+            if last is None:
+                last = self.outputs(x, [graph] * N_LAYERS)[-1]
+            _, _, dropout, linear = self.head
+            displacement: Tensor = linear(dropout(last.flatten(0, 1)))
+        return displacement.view(*x.shape[:2], 3)
 
     def outputs(
         self, x: Tensor, graphs: Sequence[Graph], rest: Rest | None = None
     ) -> list[Tensor]:
-        """Return the input and the output of every layer and every attention.
+        """Return the input and the output of every part, the head's first layer last.
 
         Parameters
         ----------
@@ -121,8 +125,8 @@ class PhysGNN(nn.Module):
 
         Returns
         -------
-        list of nine (batch, rows, columns) tensors
-            Input, three layers, their attention, three layers, their attention.
+        list of ten (batch, rows, columns) tensors
+            Input, three layers, their attention, three layers, their attention, head.
         """
         found = [x]
         for block, attention in enumerate(self.attentions):
@@ -132,7 +136,8 @@ class PhysGNN(nn.Module):
                 x = found[-1][:, :n]
                 if rest is not None:
                     x = filled(x, rest(place, x.shape[1], n))
-                found.append(self._layer(index, x, graphs[index]))
+                layer, activation = self.convolutions[index], self.activations[index]
+                found.append(layer(x, graphs[index], activation))
             places = range(len(found) - LAYERS_A_BLOCK, len(found))
             n = graphs[index].n_points
             layers = [found[place][:, :n] for place in places]
@@ -141,12 +146,14 @@ class PhysGNN(nn.Module):
                 for place, layer in zip(places, layers, strict=True)
             ]
             found.append(attention(layers, others))
+        found.append(self._into_head(found[-1]))
         return found
 
-    def _layer(self, index: int, x: Tensor, graph: Graph) -> Tensor:
-        y = self.convolutions[index](x, graph)
-        activated: Tensor = self.activations[index](y.flatten(0, 1)).view_as(y)
-        return activated
+    def _into_head(self, x: Tensor) -> Tensor:
+        """Return the head's values before dropout, which differs from call to call."""
+        linear, activation = self.head[0], self.head[1]
+        assert isinstance(linear, nn.Linear) and isinstance(activation, nn.PReLU)
+        return dense([x], [linear.weight], linear.bias, activation.weight)
 
 
 def _check(configuration: int, dataset: int, width: int) -> None:

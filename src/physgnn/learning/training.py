@@ -42,6 +42,7 @@ from physgnn.learning.run_record import (
 )
 from physgnn.learning.sample_cache import SampleCache
 from physgnn.learning.schedules import SCHEDULES
+from physgnn.learning.threads import only_side_by_side
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.learning.workspace import reused_memory
 from physgnn.progress import Progress
@@ -135,6 +136,7 @@ def train(
         share = Share(trainer.global_rank, trainer.world_size)
         at_once = _at_once(samples, config)
         stack.enter_context(reused_memory())
+        stack.enter_context(only_side_by_side())
         trainer.fit(
             TrainingModule(models, config, at_once),
             training_batches(samples, config.batch_size, config.seed, share),

@@ -17,7 +17,7 @@ from physgnn.learning.lstm import PLAIN, Way, lstm
 from physgnn.learning.lstm_data import Given, Weights
 
 
-class Common(NamedTuple):
+class Shared(NamedTuple):
     """What is the same for all samples; see :class:`Given`.
 
     Attributes
@@ -33,7 +33,7 @@ class Common(NamedTuple):
     scores: Tensor | None = None
 
 
-def read_common(inputs: Sequence[Tensor], weights: Weights, way: Way) -> Common:
+def read_shared(inputs: Sequence[Tensor], weights: Weights, way: Way) -> Shared:
     """Read what samples have in common.
 
     Parameters
@@ -47,12 +47,12 @@ def read_common(inputs: Sequence[Tensor], weights: Weights, way: Way) -> Common:
     if len(inputs[0]):
         return _before(inputs, weights, way)
     matrix = weights.matrix[:, : weights.width]
-    return Common(
+    return Shared(
         tuple(linear(x, matrix, weights.bias) if len(x) else None for x in inputs)
     )
 
 
-def _before(inputs: Sequence[Tensor], weights: Weights, way: Way) -> Common:
+def _before(inputs: Sequence[Tensor], weights: Weights, way: Way) -> Shared:
     """Read the steps that come first, on points that have as many of them."""
     n, found = len(inputs[0]), []
     cuts = [n - len(x) for x in inputs]
@@ -67,13 +67,13 @@ def _before(inputs: Sequence[Tensor], weights: Weights, way: Way) -> Common:
         scores = pad(scores[:, 0], (0, 0, 0, len(inputs) - n_steps))
         found.append([*(x[0] for x in state), scores.t()])
     hidden, cell, scores = (cat(parts) for parts in zip(*found, strict=True))
-    return Common((None,) * len(inputs), (hidden, cell), scores.t())
+    return Shared((None,) * len(inputs), (hidden, cell), scores.t())
 
 
 def lstm_scores(
     own: Sequence[Tensor],
     weights: Weights,
-    common: Common | None = None,
+    common: Shared | None = None,
     way: Way = PLAIN,
 ) -> Tensor:
     """Read a sequence from rest and score the hidden state after every step.
@@ -84,7 +84,7 @@ def lstm_scores(
         By step, the inputs that are each sample's own: those of the first points.
     weights : Weights
         The LSTM.
-    common : Common, optional
+    common : Shared, optional
         What the samples have in common on the other points.
     way : Way
         How to compute.
@@ -93,7 +93,7 @@ def lstm_scores(
     -------
     (steps, batch, n) tensor
     """
-    common = common or Common((None,) * len(own))
+    common = common or Shared((None,) * len(own))
     given = Given(tuple(own), common.products, common.start)
     scores, *_ = lstm(given, weights, way)
     if common.scores is None:
