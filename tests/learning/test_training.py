@@ -10,6 +10,7 @@ import torch
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.learning import callbacks
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.training import train
@@ -53,6 +54,51 @@ def test_a_resumed_run_equals_one_never_interrupted(
     for of_whole, of_parts in zip(metrics(whole), metrics(parts), strict=True):
         for name in ("epoch", "training_loss", "validation_loss", "learning_rate"):
             assert of_whole[name] == of_parts[name], name
+    expected = Checkpoint.load(whole).model.state_dict()
+    for name, value in Checkpoint.load(parts).model.state_dict().items():
+        assert torch.equal(value, expected[name]), name
+
+
+class KilledError(Exception):
+    """Stands for whatever ends a process."""
+
+
+@pytest.mark.parametrize("batches", [2, 4, 5, 8])
+def test_a_run_killed_within_an_epoch_loses_no_batch(
+    store: Store,
+    split: Split,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    batches: int,
+) -> None:
+    def kill(*_: object) -> None:
+        nonlocal batches
+        batches -= 1
+        if batches < 0:
+            raise KilledError
+
+    config = replace(SMALL, batch_size=4)  # four batches an epoch
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    train(store, split, config, whole)
+    monkeypatch.setattr(callbacks, "SECONDS_BETWEEN_STATES", 0.0)
+    with pytest.raises(KilledError):
+        train(store, split, config, parts, progress=kill)
+    train(store, split, config, parts, resume=True)
+    print(
+        [
+            (r["epoch"], r["training_loss"][:8], r["validation_loss"][:8])
+            for r in metrics(whole)
+        ]
+    )
+    print(
+        [
+            (r["epoch"], r["training_loss"][:8], r["validation_loss"][:8])
+            for r in metrics(parts)
+        ]
+    )
+    assert [row["validation_loss"] for row in metrics(whole)] == [
+        row["validation_loss"] for row in metrics(parts)
+    ]
     expected = Checkpoint.load(whole).model.state_dict()
     for name, value in Checkpoint.load(parts).model.state_dict().items():
         assert torch.equal(value, expected[name]), name

@@ -24,11 +24,15 @@ def reproduce(
     tumour: Annotated[
         list[Path] | None, typer.Option(help="Surface inside the brain.")
     ] = None,
+    clock: Annotated[
+        str, typer.Option(help="What counts the hours: wall, or processor.")
+    ] = "wall",
 ) -> None:
     """Repeat the published protocol beside the paper's tables; call to resume."""
     from physgnn.stages.reproduction import Reproduction, reproduce
 
-    what = Reproduction(dataset, budget_hours, brain, tuple(tumour or ()))
+    tumours = tuple(tumour or ())
+    what = Reproduction(dataset, budget_hours, brain, tumours, clock=clock)
     if brain is None:
         say(
             "the bundled brain and its own loads: the published figures are of other "

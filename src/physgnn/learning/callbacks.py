@@ -2,16 +2,20 @@
 
 import csv
 import math
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
+from lightning.pytorch.callbacks import Checkpoint
 
 from physgnn.learning.budget import Budget
 from physgnn.learning.lightning_module import TRAINING_LOSS, VALIDATION_LOSS
 from physgnn.progress import Progress
+
+SECONDS_BETWEEN_STATES = 300.0
 
 
 class KeepBest(Callback):
@@ -36,6 +40,30 @@ class KeepBest(Callback):
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
         """Continue from the lowest loss before a resume."""
         self.loss = state_dict["loss"]
+
+
+class KeepState(Checkpoint):
+    """Writes what a resume needs, when an epoch ends and every few minutes within it.
+
+    Lightning's own callback does neither before training ends if only the last state is
+    wanted and optimisation is manual.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+        self._last = time.monotonic()
+
+    def on_train_batch_end(self, trainer: Trainer, *_: Any) -> None:
+        """Write if it's time; not where the epoch's validation comes next."""
+        late = time.monotonic() - self._last >= SECONDS_BETWEEN_STATES
+        if trainer.strategy.reduce_boolean_decision(late, all=False):
+            self._last = time.monotonic()
+            if not trainer.is_last_batch:
+                trainer.save_checkpoint(self.file)
+
+    def on_train_epoch_end(self, trainer: Trainer, _: LightningModule) -> None:
+        """Write; the epoch has been validated."""
+        trainer.save_checkpoint(self.file)
 
 
 class MetricsFile(Callback):

@@ -91,7 +91,7 @@ def training_batches(
 ) -> DataLoader[MemberBatch]:
     """Return shuffled batches, another order every epoch."""
     order = MixedOrder([len(part) for part in parts], batch_size, seed, share)
-    return DataLoader(Together(parts), batch_sampler=order)
+    return ResumableLoader(Together(parts), order)
 
 
 def validation_batches(
@@ -119,12 +119,19 @@ class Together(Dataset[MemberBatch]):
 
 
 class MixedOrder(Sampler[list[int]]):
-    """Each member's batches as `EpochOrder` has them, the members shuffled."""
+    """Each member's batches as `EpochOrder` has them, the members shuffled.
+
+    Attributes
+    ----------
+    begun : int
+        Batches of this epoch that were given out. Set, the next epoch begins after so
+        many.
+    """
 
     def __init__(
         self, sizes: Sequence[int], batch_size: int, seed: int, share: Share = ALONE
     ) -> None:
-        self.seed, self.epoch = seed, 0
+        self.seed, self.epoch, self.begun = seed, 0, 0
         self.starts = _starts(sizes)
         self.orders = [EpochOrder(size, batch_size, seed, share) for size in sizes]
 
@@ -141,8 +148,28 @@ class MixedOrder(Sampler[list[int]]):
         turns = np.repeat(np.arange(len(self.orders)), [len(o) for o in self.orders])
         np.random.default_rng([self.seed, self.epoch]).shuffle(turns)
         batches = [iter(order) for order in self.orders]
-        for k in turns.tolist():
-            yield [int(self.starts[k]) + i for i in next(batches[k])]
+        before = self.begun
+        for done, k in enumerate(turns.tolist(), start=1):
+            batch = next(batches[k])
+            if done > before:
+                self.begun = done % len(self)
+                yield [int(self.starts[k]) + i for i in batch]
+
+
+class ResumableLoader(DataLoader[MemberBatch]):
+    """Batches that go on within an epoch; Lightning keeps the state in checkpoints."""
+
+    def __init__(self, samples: Together, order: MixedOrder) -> None:
+        super().__init__(samples, batch_sampler=order)
+        self.order = order
+
+    def state_dict(self) -> dict[str, int]:
+        """Return how many batches of the epoch have begun."""
+        return {"begun": self.order.begun}
+
+    def load_state_dict(self, state_dict: dict[str, int]) -> None:
+        """Begin the next epoch after these."""
+        self.order.begun = state_dict["begun"]
 
 
 def in_order(

@@ -1,5 +1,6 @@
 """Training: a store and a split in, a run folder with the best weights out."""
 
+import json
 import logging
 import warnings
 from collections.abc import Iterator, Sequence
@@ -10,16 +11,17 @@ from typing import Any
 import torch
 import torch.distributed as dist
 from lightning.pytorch import Callback, Trainer
-from lightning.pytorch.callbacks import EarlyStopping, ModelCheckpoint
+from lightning.pytorch.callbacks import EarlyStopping
 from lightning.pytorch.loggers import TensorBoardLogger
 from torch import Tensor
 from torch.utils.data import default_collate
 
 from physgnn.errors import InputError
+from physgnn.io.atomic import whole_file
 from physgnn.learning.batches import Samples, Share
 from physgnn.learning.budget import Budget
-from physgnn.learning.callbacks import KeepBest, MetricsFile, Report
-from physgnn.learning.checkpoint import RECORD, Checkpoint
+from physgnn.learning.callbacks import KeepBest, KeepState, MetricsFile, Report
+from physgnn.learning.checkpoint import RECORD, WEIGHTS, Checkpoint
 from physgnn.learning.lightning_module import VALIDATION_LOSS, TrainingModule
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.members import (
@@ -86,8 +88,8 @@ def train(
         weights are those of one process, to rounding. Each process runs the caller's
         program from its start; only the first writes into the run folder.
     resume : bool
-        Continue from the last finished epoch; to rounding, the result is that of a
-        run never interrupted.
+        Continue from the last checkpoint, which is at most five minutes older than the
+        interruption; to rounding, the result is that of a run never interrupted.
     start : Checkpoint, optional
         Begin with its weights, of whatever body; both models must be able to share.
 
@@ -153,12 +155,17 @@ def train(
 
 
 def _prepare(run: Path, record: dict[str, Any], *, resume: bool) -> None:
-    """Make the run's folder; InputError if what it holds doesn't fit."""
+    """Make the run's folder, with its record; InputError if what it holds won't do."""
     if resume:
         check_same_run(run, record)
-    elif (run / RECORD).exists() or (run / LAST).exists():
+        if not (run / LAST).exists():
+            raise InputError(f"{run} holds no run to resume: it has no {LAST}")
+    elif (run / WEIGHTS).exists() or (run / LAST).exists():
         raise InputError(f"{run} holds a run already: resume it, or name another")
-    run.mkdir(parents=True, exist_ok=True)
+    else:
+        run.mkdir(parents=True, exist_ok=True)
+        with whole_file(run / RECORD) as part:
+            part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
 
 
 def is_first_process() -> bool:
@@ -189,9 +196,6 @@ def _watchers(run: Path, budget: Budget, progress: Progress | None) -> list[Call
 def _trainer(
     run: Path, config: TrainingConfig, callbacks: list[Callback], **machine: Any
 ) -> Trainer:
-    last = ModelCheckpoint(
-        dirpath=run, save_top_k=0, save_last=True, enable_version_counter=False
-    )
     patience = EarlyStopping(VALIDATION_LOSS, patience=config.early_stopping)
     together = machine["devices"] * machine["num_nodes"] > 1
     return Trainer(
@@ -199,7 +203,7 @@ def _trainer(
         strategy="ddp" if together else "auto",
         use_distributed_sampler=False,
         max_epochs=config.max_epochs,
-        callbacks=[*callbacks, patience, last],
+        callbacks=[*callbacks, patience, KeepState(run / LAST)],
         logger=TensorBoardLogger(run, name="tensorboard", version=""),
         default_root_dir=run,
         num_sanity_val_steps=0,
