@@ -67,7 +67,7 @@ def test_reproduce(
 @pytest.mark.usefixtures("small")
 def test_ablate(block: TetMesh, tmp_path: Path) -> None:
     store, _ = stages.simulate(block, "demo", tmp_path / "loads.zarr")
-    budget = Ablation(epochs=1, samples=4, seeds=1, width=4)
+    budget = Ablation(1, 4, 1, width=4, precision="bfloat16")
     out = tmp_path / "out"
     told: list[int] = []
     text = ablate(

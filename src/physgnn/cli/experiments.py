@@ -49,6 +49,9 @@ def ablate(
     samples: Annotated[int, typer.Option(help="Training samples an epoch.")] = 400,
     seeds: Annotated[int, typer.Option(help="Networks of each configuration.")] = 3,
     split: Annotated[str, typer.Option(help="path, node or published.")] = "published",
+    precision: Annotated[
+        str, typer.Option(help="Of training: float32, or bfloat16.")
+    ] = "float32",
 ) -> None:
     """Compare configurations 1 to 12 at a reduced budget; call again to resume."""
     from physgnn.stages.ablation import Ablation, ablate
@@ -57,10 +60,9 @@ def ablate(
     stores = {number: path for number, path in given.items() if path is not None}
     if not stores:
         raise InputError("give --dataset-1, --dataset-2 or both")
+    budget = Ablation(epochs, samples, seeds, split, precision=precision)
     with progress("ablation") as move:
-        print(
-            ablate(stores, Ablation(epochs, samples, seeds, split), out, progress=move)
-        )
+        print(ablate(stores, budget, out, progress=move))
     print(out / "ablation.png")
 
 

@@ -41,6 +41,8 @@ class Ablation:
         A row of ``SPLITS``.
     width : int
         Of the networks.
+    precision : str
+        Of training, a row of ``PRECISIONS``.
     """
 
     epochs: int = 3
@@ -48,6 +50,7 @@ class Ablation:
     seeds: int = 3
     split: str = "published"
     width: int = 112
+    precision: str = "float32"
 
     def __post_init__(self) -> None:
         for name in ("epochs", "samples", "seeds", "width"):
@@ -158,6 +161,7 @@ def _loss(
         schedule="cosine",  # so few epochs have no plateaus
         max_epochs=budget.epochs,
         seed=seed,
+        precision=budget.precision,
     )
     out = folder / f"dataset-{dataset}-configuration-{configuration}-seed-{seed}"
     resumed = can_resume(out)
