@@ -1,5 +1,6 @@
 """What the terminal shows while something takes long."""
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -8,6 +9,7 @@ from rich.progress import (
     BarColumn,
     Progress,
     SpinnerColumn,
+    Task,
     TaskProgressColumn,
     TextColumn,
     TimeElapsedColumn,
@@ -18,13 +20,15 @@ from physgnn.progress import Progress as Callback
 
 err = Console(stderr=True)
 """Progress and errors; standard output holds results only."""
+SECONDS_A_LINE = 60.0
 
 
 @contextmanager
 def progress(title: str, *, transient: bool = False) -> Iterator[Callback]:
     """Show a bar with the remaining time, and yield the callback that moves it.
 
-    A transient bar is wiped away at the end.
+    A transient bar is wiped away at the end. Where no terminal shows it, as in the log
+    of a run left alone, a line a minute takes its place.
     """
     bar = Progress(
         SpinnerColumn(),
@@ -40,11 +44,24 @@ def progress(title: str, *, transient: bool = False) -> Iterator[Callback]:
     )
     with bar:
         task = bar.add_task(title, total=None, doing="")
+        said = time.monotonic()
 
         def move(done: int, total: int, text: str) -> None:
+            nonlocal said
             bar.update(task, completed=done, total=total, doing=text)
+            if not err.is_terminal and time.monotonic() - said >= SECONDS_A_LINE:
+                said = time.monotonic()
+                say(_line(bar.tasks[0]))
 
         yield move
+
+
+def _line(task: Task) -> str:
+    left = "" if task.time_remaining is None else f", {task.time_remaining:.0f} s left"
+    return (
+        f"{task.description}: {task.percentage:.1f} % after {task.elapsed or 0:.0f} s"
+        f"{left} {task.fields['doing']}"
+    )
 
 
 @contextmanager
