@@ -53,7 +53,7 @@ class GalerkinModel(Model):
     weights: Tensor
 
     def __init__(
-        self, body: Body, *, modes: int = 32, reach: int = 0, tolerance: float = 0.02
+        self, body: Body, *, modes: int = 64, reach: int = 1, tolerance: float = 0.01
     ) -> None:
         super().__init__()
         if modes < 1 or reach < 0 or not 0 < tolerance < 1:
