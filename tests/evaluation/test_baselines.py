@@ -5,6 +5,7 @@ import pytest
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.evaluation import baselines
 from physgnn.evaluation.baselines import (
     BASELINES,
     QUICK,
@@ -28,6 +29,16 @@ def test_baselines_are_offered_where_they_apply(store: Store) -> None:
     assert published == list(BASELINES)
     assert path == [name for name in BASELINES if name != "level_interpolation"]
     assert mesh == ["zero", "linear"]
+
+
+def test_the_reduced_model_stands_beside_loads_on_few_points_only(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held_out = HeldOut.of(store, "path")
+    n_loaded = len(store.load_path(0).nodes)
+    for few, offered in ((n_loaded, True), (n_loaded - 1, False)):
+        monkeypatch.setattr(baselines, "FEW", few)
+        assert ("reduced" in names(held_out)) == offered
 
 
 def test_only_what_draws_is_made_for_every_seed(store: Store) -> None:
