@@ -29,7 +29,7 @@ class Baseline:
     make : callable
         From what is held out and a seed to the predictor.
     applies : callable
-        Whether it can be made at all.
+        Whether it can be made, and is meant for such loads.
     learns : bool
         Whether making it is training, whose time counts.
     draws : bool
