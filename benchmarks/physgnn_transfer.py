@@ -46,12 +46,13 @@ def published_model(folder: Path, store: Store, dataset: int) -> PhysGNNModel:
 
 def hops(model: PhysGNNModel, loaded: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return how many edges each point is from the loads, 7 if more than six."""
-    reached = torch.zeros(model.body.mesh.n_points, 1)
-    reached[loaded] = 1
+    graph = model.body.graph
+    reached = torch.zeros(graph.n_points, dtype=torch.bool)
+    reached[loaded] = True
     found = np.full(len(reached), N_LAYERS + 1)
     for k in range(N_LAYERS + 1):
-        found[(reached[:, 0] > 0).numpy() & (found > k)] = k
-        reached += model.body.graph.plain.matrix @ reached
+        found[reached.numpy() & (found > k)] = k
+        reached[graph.row[reached[graph.column]]] = True
     return found
 
 

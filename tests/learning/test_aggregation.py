@@ -9,7 +9,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.aggregation import (
     AGGREGATIONS,
     aggregate,
-    scattered_maximum,
+    scattered,
 )
 from physgnn.learning.graph import Graph
 
@@ -41,15 +41,16 @@ def test_equals_gather_and_scatter(
         torch.testing.assert_close(ours, oracle(sample, graph, weighted))
 
 
+@kinds
 @weights
-def test_other_devices_scatter_to_the_same_maximum(
-    block: TetMesh, weighted: bool
+def test_other_devices_gather_and_scatter_to_the_same(
+    block: TetMesh, aggregation: str, weighted: bool
 ) -> None:
     graph = Graph.from_mesh(block)
     x = torch.randn(3, graph.n_points, 5, generator=torch.Generator().manual_seed(0))
-    compiled = aggregate(graph, x, weighted=weighted, aggregation="max")
+    compiled = aggregate(graph, x, weighted=weighted, aggregation=aggregation)
     neighbours = graph.weighted if weighted else graph.plain
-    torch.testing.assert_close(scattered_maximum(neighbours, x), compiled)
+    torch.testing.assert_close(scattered(neighbours, x, aggregation), compiled)
 
 
 @kinds

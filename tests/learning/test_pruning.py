@@ -48,7 +48,8 @@ def whole(network: PhysGNN, x: Tensor, graph: Graph) -> Tensor:
 
 def distance(graph: Graph, nodes: list[int]) -> Tensor:
     """Hops from the nodes by powers of the adjacency matrix."""
-    step = graph.plain.matrix.to_dense() + torch.eye(graph.n_points)
+    step = torch.eye(graph.n_points)
+    step[graph.row, graph.column] = 1
     reached = torch.zeros(graph.n_points)
     reached[nodes] = 1
     hops = torch.full((graph.n_points,), 99)

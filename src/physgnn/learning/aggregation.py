@@ -6,8 +6,8 @@ import torch
 from torch import Tensor
 from torch.autograd.function import once_differentiable
 
-from physgnn.learning.graph import Graph, Neighbours
-from physgnn.learning.maximum_kernels import largest, largest_back
+from physgnn.learning.graph import Edges, Graph, Neighbours
+from physgnn.learning.neighbour_kernels import largest, largest_back, total
 from physgnn.learning.threads import shares, side_by_side
 
 
@@ -29,37 +29,33 @@ def aggregate(graph: Graph, x: Tensor, *, weighted: bool, aggregation: str) -> T
     -------
     (batch, n_points, columns) tensor
     """
-    return AGGREGATIONS[aggregation](graph.weighted if weighted else graph.plain, x)
+    neighbours = graph.weighted if weighted else graph.plain
+    if x.device.type != "cpu":
+        return scattered(neighbours, x, aggregation)
+    combine = AGGREGATIONS[aggregation].apply
+    combined: Tensor = combine(neighbours, x.contiguous())  # type: ignore[no-untyped-call]
+    return combined
 
 
-class _Product(torch.autograd.Function):
-    """matrix @ x, whose way back is a product with the transpose, kept as well."""
+class _Sum(torch.autograd.Function):
+    """A sparse matrix times x; the way back is a product with its transpose."""
 
     @staticmethod
     def forward(ctx: Any, neighbours: Neighbours, x: Tensor) -> Tensor:
-        ctx.neighbours = neighbours
-        return _products(neighbours.matrix, x)
+        ctx.neighbours, ctx.n_columns = neighbours, x.shape[1]
+        return _total(neighbours.edges, x.detach(), neighbours.graph.n_points)
 
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, grad: Tensor) -> tuple[None, Tensor]:
-        return None, _products(ctx.neighbours.transpose, grad.contiguous())
+        edges_back = ctx.neighbours.edges_back
+        return None, _total(edges_back, grad.contiguous(), ctx.n_columns)
 
 
-def _sum(neighbours: Neighbours, x: Tensor) -> Tensor:
-    total: Tensor = _Product.apply(neighbours, x)  # type: ignore[no-untyped-call]
-    return total
-
-
-def _products(matrix: Tensor, x: Tensor) -> Tensor:
-    """Multiply sample by sample: columns stay in cache; one wide product is slower."""
-    y = x.new_empty(len(x), matrix.shape[0], x.shape[2])
-
-    def part(samples: slice) -> None:
-        for sample in range(samples.start, samples.stop):
-            y[sample] = torch.sparse.mm(matrix, x[sample], "sum")
-
-    side_by_side(part, shares(len(x), x.device))
+def _total(edges: Edges, x: Tensor, n_rows: int) -> Tensor:
+    y = x.new_empty(len(x), n_rows, x.shape[2])
+    values, sums = x.numpy(), y.numpy()
+    side_by_side(lambda rows: total(edges, values, sums, rows), shares(n_rows))
     return y
 
 
@@ -93,20 +89,14 @@ class _Maximum(torch.autograd.Function):
         return None, of_x
 
 
-def _maximum(neighbours: Neighbours, x: Tensor) -> Tensor:
-    if x.device.type != "cpu":
-        return scattered_maximum(neighbours, x)
-    largest_values: Tensor = _Maximum.apply(neighbours, x.contiguous())  # type: ignore[no-untyped-call]
-    return largest_values
-
-
-def scattered_maximum(neighbours: Neighbours, x: Tensor) -> Tensor:
+def scattered(neighbours: Neighbours, x: Tensor, aggregation: str) -> Tensor:
     """Gather and scatter: for devices that run no compiled kernels of ours."""
     graph = neighbours.graph
     messages = x[:, graph.column] * neighbours.value[:, None]
     nothing = x.new_zeros(len(x), graph.n_points, x.shape[2])
     row = graph.row[:, None].expand_as(messages)
-    return nothing.scatter_reduce(1, row, messages, "amax", include_self=False)
+    reduction = {"add": "sum", "max": "amax"}[aggregation]
+    return nothing.scatter_reduce(1, row, messages, reduction, include_self=False)
 
 
-AGGREGATIONS = {"add": _sum, "max": _maximum}
+AGGREGATIONS = {"add": _Sum, "max": _Maximum}

@@ -1,6 +1,5 @@
 """A mesh as a graph: its edges once, shared by every sample and every layer."""
 
-import warnings
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,6 +10,8 @@ from torch import Tensor
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+
+Edges = tuple[NDArray[np.generic], ...]
 
 
 def as_float32(array: NDArray[np.float64]) -> Tensor:
@@ -129,59 +130,33 @@ def _edges(cells: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int6
 
 @dataclass(frozen=True, eq=False)
 class Neighbours:
-    """A graph's edges with values, as sparse matrices made when first asked for.
+    """A graph's edges with values, as arrays for compiled kernels.
 
-    They serve for training wherever that was, in inference mode too.
+    Edges are row starts, columns and values, as of a sparse matrix in compressed rows.
     """
 
     graph: Graph
     value: Tensor
 
     @cached_property
-    def edges(self) -> tuple[NDArray[np.generic], ...]:
-        """Row starts, columns and values as arrays, for compiled kernels."""
+    def edges(self) -> Edges:
+        """Those of the (n_points, n_columns) matrix."""
         graph = self.graph
-        return tuple(
-            tensor.cpu().numpy()
-            for tensor in (graph.row_start, graph.column, self.value)
-        )
+        return _arrays(graph.row_start, graph.column, self.value)
 
     @cached_property
-    def matrix(self) -> Tensor:
-        """Sparse (n_points, n_columns) matrix."""
+    def edges_back(self) -> Edges:
+        """Those of its transpose, for gradients."""
         graph = self.graph
-        with torch.inference_mode(False):
-            return _sparse(
-                graph.row_start,
-                graph.column,
-                self.value.clone(),
-                (graph.n_points, graph.n_columns),
-            )
+        order = torch.argsort(graph.column, stable=True)
+        start = _row_start(graph.column, graph.n_columns)
+        return _arrays(start, graph.row[order], self.value[order])
 
-    @cached_property
-    def transpose(self) -> Tensor:
-        """Sparse (n_columns, n_points) matrix, for gradients."""
-        graph = self.graph
-        with torch.inference_mode(False):
-            order = torch.argsort(graph.column, stable=True)
-            return _sparse(
-                _row_start(graph.column, graph.n_columns),
-                graph.row[order],
-                self.value.clone()[order],
-                (graph.n_columns, graph.n_points),
-            )
+
+def _arrays(*tensors: Tensor) -> Edges:
+    return tuple(tensor.cpu().numpy() for tensor in tensors)
 
 
 def _row_start(row: Tensor, n_rows: int) -> Tensor:
     counts = torch.bincount(row, minlength=n_rows)
     return torch.cat([counts.new_zeros(1), counts.cumsum(0)])
-
-
-def _sparse(
-    row_start: Tensor, column: Tensor, value: Tensor, shape: tuple[int, int]
-) -> Tensor:
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Sparse CSR tensor support is in beta")
-        return torch.sparse_csr_tensor(
-            row_start, column, value, shape, check_invariants=True
-        )

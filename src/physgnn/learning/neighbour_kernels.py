@@ -1,4 +1,4 @@
-"""The maximum over neighbours and its way back, compiled."""
+"""Sum and maximum over neighbours, compiled."""
 
 import numpy as np
 from numba import njit
@@ -7,20 +7,42 @@ compiled = njit(cache=True, nogil=True)
 
 
 @compiled
+def total(edges, x, y, rows):  # type: ignore[no-untyped-def]
+    """Add up the neighbours' weighted values.
+
+    Parameters
+    ----------
+    edges : tuple of row start, column and weight
+        As :class:`physgnn.learning.graph.Neighbours` has them.
+    x : (batch, n_columns, width) array
+        Values.
+    y : (batch, n_points, width) array
+        Out: the sums.
+    rows : slice
+        The points to do.
+    """
+    row_start, column, weight = edges
+    for sample in range(len(x)):
+        for row in range(rows.start, rows.stop):
+            sums = y[sample, row]
+            sums[:] = 0
+            for e in range(row_start[row], row_start[row + 1]):
+                values, w = x[sample, column[e]], weight[e]
+                for j in range(len(sums)):
+                    sums[j] += w * values[j]
+
+
+@compiled
 def largest(edges, x, y, which, rows):  # type: ignore[no-untyped-def]
     """Find the largest of the neighbours' weighted values, column by column.
 
     Parameters
     ----------
-    edges : tuple of row start, column and weight
-        As :class:`physgnn.learning.graph.Graph` has them.
-    x : (batch, n_columns, width) array
-        Values.
+    edges, x, rows
+        As in `total`.
     y, which : (batch, n_points, width) arrays
         Out: the largest values, or 0 without neighbours, and the edges (int32) they
         came along; of several, the first.
-    rows : slice
-        The points to do.
     """
     row_start, column, weight = edges
     width = x.shape[2]
