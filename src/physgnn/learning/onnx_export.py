@@ -1,8 +1,8 @@
 """A trained PhysGNN as an ONNX file that needs neither this package nor torch.
 
 Input ``features`` (n_points, 7) float32, standardised; output ``displacement_mm``
-(n_points, 3). The mesh's edges are constants in the file. Exact zeros of the pruning
-and the sparse products aren't used: neighbours are gathered along padded rows, which
+(n_points, 3). The mesh's edges are constants in the file. Pruning and compiled passes
+aren't used: neighbours are gathered along padded rows, which
 every runtime knows.
 """
 
