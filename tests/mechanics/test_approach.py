@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from meshes import block_mesh
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import LoadCase, LoadPath, NeoHookean, Status, solve
 from physgnn.mechanics.approach import Approach
@@ -119,3 +120,27 @@ def test_what_converges_is_stable(block, approach, solved):
     elements = make_elements(block, MATERIALS)
     data, _ = assemble_tangent(elements, pattern, found.displacement)
     assert make_linear_solver(pattern).factorize(data)
+
+
+def test_of_two_equilibria_the_load_reaches_the_one_followed_to():
+    """Level 27 is the last before the body snaps through; beyond lies another state."""
+    mesh = block_mesh(4)
+    materials = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
+    force = 0.15 * np.array([[0.552, -0.006, -0.834]])
+    path = LoadPath(np.array([64]), force, np.arange(1, 31) / 30)
+    states = solve(mesh, path, materials=materials).displacement
+    approach = Approach(mesh, materials)
+    misled = approach.solve(path.case(26), states[-1], tolerance_mm=TOLERANCE_MM)
+    assert misled.status == Status.CONVERGED, "a stable equilibrium, but another one"
+    assert np.linalg.norm(misled.displacement - states[26], axis=1).max() > 5.0
+    for level in (26, 28):  # before it snaps and after
+        followed = approach.solve(path.case(level), tolerance_mm=TOLERANCE_MM)
+        assert followed.origin == "path"
+        np.testing.assert_allclose(followed.displacement, states[level], atol=1e-3)
+
+
+def test_a_guess_far_from_where_it_leads_is_not_trusted(approach, solved):
+    case, states = solved
+    far = approach.solve(case, 0.5 * states[-1], tolerance_mm=TOLERANCE_MM)
+    near = approach.solve(case, 0.95 * states[-1], tolerance_mm=TOLERANCE_MM)
+    assert (far.origin, near.origin) == ("path", "guess")

@@ -86,6 +86,18 @@ def test_a_useless_answer_is_solved_from_rest(store: Store, body: Body) -> None:
     assert np.linalg.norm(prediction.displacement - truth, axis=1).max() < 0.01
 
 
+def test_an_answer_its_maker_does_not_trust_is_no_start_of_a_repair(
+    store: Store, body: Body
+) -> None:
+    case, truth = store.load_case(0, 2), store.displacement(0)[2]
+    near = truth + 1e-3 * np.sin(body.mesh.points) * (truth != 0)
+    for sound, status in ((True, "REPAIRED"), (False, "SOLVED")):
+        predictor = Predictor(body, lambda _: near, sound=lambda _, s=sound: s)
+        prediction = predictor(case, tolerance_mm=0.01)
+        assert prediction.status.name == status
+        assert np.linalg.norm(prediction.displacement - truth, axis=1).max() < 0.01
+
+
 def test_never_a_good_status_for_a_load_that_cannot_be_solved(
     store: Store, predictor: Predictor
 ) -> None:

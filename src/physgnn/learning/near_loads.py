@@ -5,6 +5,7 @@ one that is spread over a patch does not.
 """
 
 from functools import cached_property
+from weakref import WeakSet
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from physgnn.learning.mesh_gradient import points_within
 from physgnn.mechanics.assembly import Pattern, make_pattern
 from physgnn.mechanics.element import Elements, make_elements
 from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.settling import settle
+from physgnn.mechanics.settling import Settled, settle
 
 FloatArray = NDArray[np.float64]
 
@@ -36,6 +37,7 @@ class NearLoads:
 
     def __init__(self, body: Body, reach: int) -> None:
         self._body, self._reach = body, reach
+        self._unsound = WeakSet[LoadCase]()
 
     @cached_property
     def _parts(self) -> tuple[Elements, Pattern]:
@@ -49,15 +51,33 @@ class NearLoads:
         It is the one given if the load acts on many points, or if no equilibrium is
         found.
         """
+        if not self._acts_on_few(load_case):
+            return displacement
+        found = self._settle(load_case, displacement)
+        if found is None or found.snapped:
+            self._unsound.add(load_case)
+        return displacement if found is None else found.displacement
+
+    def is_sound(self, load_case: LoadCase) -> bool:
+        """Return False for a load given to `settled` whose cells snapped through.
+
+        Or found no equilibrium: which one belongs to the load is then not theirs to
+        say, but that of the whole body's path from rest.
+        """
+        return load_case not in self._unsound
+
+    def _acts_on_few(self, load_case: LoadCase) -> bool:
+        n_loaded = int(load_case.forces.any(axis=1).sum())
+        settles = self._reach > 0 and self._body.element == DEFAULT_ELEMENT
+        return settles and 0 < n_loaded <= FEW
+
+    def _settle(self, load_case: LoadCase, displacement: FloatArray) -> Settled | None:
         force = load_case.on_points(self._body.mesh.n_points)
         loaded = np.flatnonzero(force.any(axis=1))
-        if not 0 < len(loaded) <= FEW or self._body.element != DEFAULT_ELEMENT:
-            return displacement
-        least = min(self._reach, LEAST_REACH)
         # Where an outer cell is turned over, a smaller patch may still do.
-        for reach in range(self._reach, max(least - 1, 0), -1):
+        for reach in range(self._reach, min(self._reach, LEAST_REACH) - 1, -1):
             points = np.flatnonzero(points_within(self._body.mesh, loaded, reach))
             found = settle(*self._parts, points, displacement, force)
             if found is not None:
                 return found
-        return displacement
+        return None

@@ -1,12 +1,12 @@
-"""From a guess to the equilibrium under one load, without the history of the load.
+"""From a guess to the equilibrium under one load, or along the load's path from rest.
 
-The answers of bodies like these do not depend on how the load grew, so equilibrium is
-looked for where it is expected: down in energy from the guess, then from the nearest
-equilibrium already known (the rest state is always one), and only if both fail along a
-load path from rest.
+Where a body has several equilibria under a load, the one meant is that which the load
+reaches as it grows from nothing. A guess says which that is, so equilibrium is looked
+for down in energy from it; without one, or if there is none next to it, the load is
+followed.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +22,7 @@ from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.path_following import PathFollower
-from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton
+from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton, largest_norm
 from physgnn.mechanics.relaxation import (
     KnownFactor,
     Relaxation,
@@ -31,14 +31,15 @@ from physgnn.mechanics.relaxation import (
 )
 from physgnn.mechanics.rest_state import fixed_points
 from physgnn.mechanics.solution import Status
+from physgnn.mechanics.solver import advance_or_fall
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 MAX_ITERATIONS = 20  # a step of the walk from rest; what needs more is better halved
-FIRST_STEP, MIN_STEP = 0.125, 1e-3
-LOOSE = 20.0  # tolerance on the way, in tolerances
+STEPS, MIN_STEP = 30, 1e-3  # from rest; longer ones may miss where a path turns back
 MAX_HALVINGS = 10
+FAR = 1 / 10  # of the largest displacement, is too far for a guess to choose a state
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +53,7 @@ class Approached:
     status : Status
         CONVERGED: the estimated error of the worst point is below the tolerance.
     origin : str
-        What it was reached from: "guess", "known", "rest" or "path".
+        What it was reached by: "guess" or "path".
     counts : dict of str to int
         Factorisations, back-solves and residuals spent.
     """
@@ -132,7 +133,7 @@ class Approach:
         ----------
         case : LoadCase
         guess : (n_points, 3) array, optional
-            mm; cells may be inverted in it.
+            mm; cells may be inverted in it. Without it the load is followed from rest.
         tolerance_mm : float
             Bound on the estimated error of the worst point.
 
@@ -143,10 +144,15 @@ class Approach:
         """
         iteration = self._iteration(case, tolerance_mm)
         known = self._known(case.on_points(self._mesh.n_points)).displacement
-        tries = self._tries(iteration, guess, self._unknowns(known))
-        origin, found = next(tries)
-        while found.status != Status.CONVERGED and origin != "path":
-            origin, found = next(tries)
+        origin, found = "guess", None
+        if guess is not None and np.isfinite(guess).all():
+            safe, start = self._unknowns(known), self._unknowns(guess)
+            start = _without_inverted_cells(iteration, safe, start)
+            found = descend(iteration, start, fallback=safe)
+            if largest_norm(found.state - start) > FAR * largest_norm(found.state):
+                found = None
+        if found is None or found.status != Status.CONVERGED:
+            origin, found = "path", _follow(iteration)
         return Approached(
             iteration.displacement(found.state, 1.0),
             found.status,
@@ -168,21 +174,6 @@ class Approach:
     def _unknowns(self, displacement: FloatArray) -> FloatArray:
         return displacement[self._pattern.free].ravel()
 
-    def _tries(
-        self, iteration: QuasiNewton, guess: FloatArray | None, known: FloatArray
-    ) -> Iterator[tuple[str, Equilibrium]]:
-        rest = np.zeros_like(known)
-        if guess is not None and np.isfinite(guess).all():
-            start = _without_inverted_cells(iteration, known, self._unknowns(guess))
-            yield "guess", descend(iteration, start, fallback=known)
-            if known.any():
-                yield "known", descend(iteration, known, fallback=known)
-        yield "rest", descend(iteration, rest, fallback=rest)
-        found = _walk(iteration, rest)
-        if found.status == Status.CONVERGED:
-            found = descend(iteration, found.state, fallback=rest)  # is it stable?
-        yield "path", found
-
 
 def _without_inverted_cells(
     iteration: QuasiNewton, known: FloatArray, guess: FloatArray
@@ -197,14 +188,15 @@ def _without_inverted_cells(
     return known
 
 
-def _walk(iteration: QuasiNewton, rest: FloatArray) -> Equilibrium:
+def _follow(iteration: QuasiNewton) -> Equilibrium:
     """Let the load grow from nothing; return the last equilibrium if it gets stuck."""
+    rest = np.zeros(iteration.pattern.n_unknowns)
     if not iteration.refactorize(rest, 0.0):
         return Equilibrium(rest, Status.LIMIT_POINT, np.inf)
     linear = iteration.direction(iteration.residual(rest, 1.0)[0])
     walk = PathFollower(iteration, lambda s: s * linear, min_step=MIN_STEP)
-    loose_mm = LOOSE * iteration.tolerance_mm
-    found = walk.advance(1.0, step=FIRST_STEP, loose_mm=loose_mm)
-    if found.status != Status.CONVERGED:
-        found.state = walk.state
-    return found
+    for target in np.arange(1, STEPS + 1) / STEPS:
+        found, _ = advance_or_fall(walk, float(target))
+        if found.status != Status.CONVERGED:
+            return Equilibrium(walk.state, found.status, found.residual_norm)
+    return descend(iteration, walk.state, fallback=rest)  # is it stable?

@@ -151,7 +151,7 @@ def _follow(iteration: QuasiNewton, path: LoadPath, min_step: float) -> Solution
     slope = _slope_at_rest(iteration)
     walk = PathFollower(iteration, lambda factor: factor * slope, min_step=min_step)
     for level, target in enumerate(path.load_factors.tolist()):
-        found, remark = _advance(walk, target)
+        found, remark = advance_or_fall(walk, target)
         if remark:
             remarks.append(remark)
         status[level] = found.status
@@ -183,7 +183,7 @@ def _slope_at_rest(iteration: QuasiNewton) -> FloatArray:
     return iteration.direction(iteration.residual(rest, SMALL_FACTOR)[0] / SMALL_FACTOR)
 
 
-def _advance(walk: PathFollower, target: float) -> tuple[Equilibrium, str]:
+def advance_or_fall(walk: PathFollower, target: float) -> tuple[Equilibrium, str]:
     """Go to a load factor, along the path or beside it, and say if it wasn't along."""
     stuck = walk.advance(target)
     if stuck.status == Status.CONVERGED:

@@ -38,7 +38,9 @@ def quick_linear(model: Model) -> Answer | None:
 
 def soundness(model: Model) -> Callable[[LoadCase], bool] | None:
     """Return how a model tells that it has no sound answer to a load, if it can."""
-    return model.is_sound if isinstance(model, ReducedModel) else None
+    if isinstance(model, LiftedModel | ReducedModel):
+        return model.is_sound
+    return None
 
 
 def first_cases(model: Model) -> Iterator[LoadCase]:

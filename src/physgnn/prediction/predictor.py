@@ -58,8 +58,9 @@ class Predictor:
     linear : callable, optional
         A quick way to K₀⁻¹ f, if there is one, for the indicator.
     sound : callable, optional
-        Whether the answer to a load may be trusted, as far as its maker can tell; loads
-        with others count as outside the trained range.
+        Whether an answer just given to a load may be trusted, as far as its maker can
+        tell; loads with others count as outside the trained range, and a repair does
+        not begin from such an answer.
     """
 
     def __init__(
@@ -192,8 +193,9 @@ class Predictor:
             if tolerance_mm is not None and not (
                 status.usable and good_enough(bounds, likely, tolerance_mm)
             ):
+                guess = relaxed.displacement if self._is_sound(load_case) else None
                 displacement, bounds, status = repair(
-                    self._approach, load_case, relaxed.displacement, tolerance_mm
+                    self._approach, load_case, guess, tolerance_mm
                 )
                 likely = None
         seconds = time.perf_counter() - start
@@ -242,9 +244,12 @@ class Predictor:
         outside = self.calibration and (
             self.calibration.trained_range.reasons_outside(load_case)
         )
-        if outside or (self._sound and not self._sound(load_case)):
+        if outside or not self._is_sound(load_case):
             return PredictionStatus.OUTSIDE_TRAINED_RANGE
         return PredictionStatus.OK
+
+    def _is_sound(self, load_case: LoadCase) -> bool:
+        return self._sound is None or self._sound(load_case)
 
     @cached_property
     def _approach(self) -> Approach:

@@ -14,8 +14,6 @@ WRONG_BY = 2.0  # the physical estimate may be too small by such a factor
 SAFETY = 10.0  # the solver's own estimate must be so much below the tolerance
 STATUS_BY_ORIGIN = {
     "guess": PredictionStatus.REPAIRED,
-    "known": PredictionStatus.REPAIRED,
-    "rest": PredictionStatus.SOLVED,
     "path": PredictionStatus.SOLVED,
 }
 
@@ -30,11 +28,12 @@ def good_enough(
 
 
 def repair(
-    approach: Approach, case: LoadCase, guess: FloatArray, tolerance_mm: float
+    approach: Approach, case: LoadCase, guess: FloatArray | None, tolerance_mm: float
 ) -> tuple[FloatArray, ErrorEstimate | None, PredictionStatus]:
     """Return the stable equilibrium next to a guess, its error and its status.
 
-    Where none is found the error is None and the status TOLERANCE_NOT_MET.
+    Without a guess, or without an equilibrium next to it, the load is followed from
+    rest. Where none is found the error is None and the status TOLERANCE_NOT_MET.
     """
     within = tolerance_mm / SAFETY
     found = approach.solve(case, guess, tolerance_mm=within)
