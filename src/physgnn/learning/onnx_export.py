@@ -2,8 +2,7 @@
 
 Input ``features`` (n_points, 7) float32, standardised; output ``displacement_mm``
 (n_points, 3). The mesh's edges are constants in the file. Pruning and compiled passes
-aren't used: neighbours are gathered along padded rows, which
-every runtime knows.
+aren't used: neighbours are gathered along padded rows, which every runtime knows.
 """
 
 import warnings
