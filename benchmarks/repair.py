@@ -135,11 +135,12 @@ def main() -> None:
     parser.add_argument("--per-level", type=int, default=7)
     parser.add_argument("--others-per-level", type=int, default=2)
     parser.add_argument("--tolerance-mm", type=float, default=0.1)
+    parser.add_argument("--split", default="path")
     parser.add_argument("--seconds", type=float, default=np.inf)
     options = parser.parse_args()
     print(machine())
     store = Store.open(options.store)
-    test = named_split("path", store).test
+    test = named_split(options.split, store).test
     log = Log(options.log)
     many = spread(test, options.per_level)
     few = spread(test, options.others_per_level)
