@@ -33,7 +33,7 @@ from physgnn.prediction.prediction import (
     Prediction,
     PredictionStatus,
 )
-from physgnn.prediction.repair import good_enough, repair
+from physgnn.prediction.repair import chooses_a_state, good_enough, repair
 
 CALIBRATION_FILE = "calibration.json"
 RELAXATION_FILE = "calibration-relaxation.json"
@@ -193,9 +193,12 @@ class Predictor:
             if tolerance_mm is not None and not (
                 status.usable and good_enough(bounds, likely, tolerance_mm)
             ):
-                guess = relaxed.displacement if self._is_sound(load_case) else None
+                guess = relaxed.displacement
+                trusted = self._is_sound(load_case) and chooses_a_state(
+                    self.body, load_case, guess
+                )
                 displacement, bounds, status = repair(
-                    self._approach, load_case, guess, tolerance_mm
+                    self._approach, load_case, guess if trusted else None, tolerance_mm
                 )
                 likely = None
         seconds = time.perf_counter() - start
