@@ -1,3 +1,4 @@
+from collections.abc import Iterator
 from itertools import pairwise
 
 import pytest
@@ -52,9 +53,12 @@ def threads(request: pytest.FixtureRequest) -> None:
 
 
 @pytest.fixture
-def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+def small_blocks(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Make blocks and parts that don't divide."""
     monkeypatch.setattr(lstm_blocks, "ROWS_A_BLOCK", 20)
+    lstm_blocks.blocks_of.cache_clear()
+    yield
+    lstm_blocks.blocks_of.cache_clear()
 
 
 def check(scores: Tensor, expected: Tensor, inputs: list[Tensor]) -> None:

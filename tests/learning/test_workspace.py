@@ -1,10 +1,12 @@
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 import torch
 
 from physgnn.learning.lstm import Way
 from physgnn.learning.lstm_data import Weights
 from physgnn.learning.lstm_shared import lstm_scores
-from physgnn.learning.workspace import give_back, reused_memory, take
+from physgnn.learning.workspace import give_back, reused_memory, scratch, take
 
 
 def test_what_was_given_back_is_used_again() -> None:
@@ -41,3 +43,14 @@ def test_going_back_twice_is_refused_once_the_memory_was_used_again() -> None:
         lstm_scores(inputs, weights, way=Way())
         with pytest.raises(RuntimeError, match="modified by an inplace operation"):
             scores.sum().backward()
+
+
+def test_a_thread_works_in_one_buffer_that_grows() -> None:
+    with torch.inference_mode():
+        buffer = scratch(100)
+        assert scratch(50).data_ptr() == buffer.data_ptr()
+    larger = scratch(len(buffer) + 1)
+    assert len(larger) > len(buffer)
+    larger.fill_(1)  # written to in training as well
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(scratch, 1).result().data_ptr() != larger.data_ptr()

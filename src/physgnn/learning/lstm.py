@@ -16,7 +16,7 @@ from physgnn.learning.lstm_blocks import Block, Layout, blocks_of
 from physgnn.learning.lstm_data import Given, Weights
 from physgnn.learning.lstm_steps import Back, Found, read, read_back
 from physgnn.learning.threads import n_threads, side_by_side
-from physgnn.learning.workspace import give_back, take
+from physgnn.learning.workspace import give_back, scratch, take
 
 
 class Way(NamedTuple):
@@ -126,7 +126,8 @@ class Reading:
                 room, block, 0 if kept is None else block.offset
             )
             here = _on(block, found)
-            read(block, self.given.on(block), self.weights, states, here)
+            given, back = self.given.on(block), kept is not None
+            read(block, given, self.weights, states, here, back=back)
 
     def back(
         self,
@@ -146,15 +147,14 @@ class Reading:
             given, of_here = self.given.on(block), _on(block, of_found)
             if kept is None:
                 here = Found(torch.empty_like(of_here.scores))
-                read(block, given, self.weights, states, here)
+                read(block, given, self.weights, states, here, back=True)
             of = Back(of_here, of_given.on(block), of_weights)
             read_back(block, given, self.weights, states, of)
         return of_weights
 
     def _scratch(self, part: Sequence[Block]) -> Tensor:
         """Return room for the states of one block after another."""
-        size = max(self.layout.n_bytes(block) for block in part)
-        return torch.empty(size, dtype=torch.uint8)
+        return scratch(max(self.layout.n_bytes(block) for block in part))
 
 
 def _on(block: Block, found: Sequence[Tensor]) -> Found:

@@ -1,6 +1,7 @@
 """Blocks of rows that an LSTM reads at once, and where it keeps what it finds."""
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -91,8 +92,9 @@ class Layout(NamedTuple):
                 yield columns, dtype, -(-n_bytes // ALIGNMENT) * ALIGNMENT
 
 
+@lru_cache(maxsize=64)
 def blocks_of(
-    counts: Sequence[int], batch: int, layout: Layout, n_parts: int
+    counts: tuple[int, ...], batch: int, layout: Layout, n_parts: int
 ) -> tuple[list[list[Block]], int]:
     """Cut all points of all samples into blocks, shared out evenly over threads.
 
@@ -101,7 +103,7 @@ def blocks_of(
 
     Parameters
     ----------
-    counts : sequence of int
+    counts : tuple of int
         Points, by step, whose input is each sample's own: the first ones.
     batch : int
         Samples.

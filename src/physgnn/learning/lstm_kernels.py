@@ -59,7 +59,7 @@ class Gradients(NamedTuple):
 
 
 @compiled
-def step(gates, bias, score, state, scores):  # type: ignore[no-untyped-def]
+def step(gates, bias, score, state, scores, back):  # type: ignore[no-untyped-def]
     """Make gates of products, in place; find cells, hidden states and their scores.
 
     Parameters
@@ -74,6 +74,8 @@ def step(gates, bias, score, state, scores):  # type: ignore[no-untyped-def]
         Its cells and hidden states are found.
     scores : (n,) array
         Out.
+    back : bool
+        Whether there is a way back, which needs the gates.
     """
     before, cell, inputs = state
     n, m = cell.shape
@@ -96,7 +98,8 @@ def step(gates, bias, score, state, scores):  # type: ignore[no-untyped-def]
             h[j] = rounded(hidden, h)
             total += hidden * score[j]
         scores[row] = total
-        keep(z, gates[row])
+        if back:
+            keep(z, gates[row])
 
 
 @compiled

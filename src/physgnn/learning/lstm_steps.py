@@ -31,7 +31,13 @@ class Found(NamedTuple):
 
 
 def read(
-    block: Block, given: Given, weights: Weights, states: States, found: Found
+    block: Block,
+    given: Given,
+    weights: Weights,
+    states: States,
+    found: Found,
+    *,
+    back: bool,
 ) -> None:
     """Fill in a block's states and what is to be found.
 
@@ -47,6 +53,8 @@ def read(
         Room for gates and cells.
     found : Found
         Room for the results.
+    back : bool
+        Leave in the states what the way back needs.
     """
     inputs = _start(block, given, weights)
     for k in range(block.first, block.end):
@@ -62,6 +70,7 @@ def read(
             _array(weights.score),
             _state(block, given, states, k, inputs),
             _array(found.scores[k]),
+            back,
         )
     if found.end:
         found.end[0].copy_(inputs[:, weights.width :])

@@ -1,4 +1,4 @@
-"""Memory for what training keeps until the way back, used again batch after batch.
+"""Memory used again: what training keeps until the way back, what a thread works in.
 
 A batch of the published size keeps a gigabyte. Fresh memory of that size comes from
 the system page by page, zeroed: an eighth of a step's time.
@@ -7,11 +7,13 @@ the system page by page, zeroed: an eighth of a step's time.
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from threading import local
 
 import torch
 from torch import Tensor
 from torch.autograd.graph import increment_version
 
+_own = local()
 _free: ContextVar[list[Tensor] | None] = ContextVar("free", default=None)
 
 
@@ -43,3 +45,12 @@ def give_back(buffer: Tensor) -> None:
     free = _free.get()
     if free is not None:
         free.append(buffer)
+
+
+def scratch(n_bytes: int) -> Tensor:
+    """Return this thread's own buffer, (n_bytes or more,) uint8, till it asks again."""
+    buffer: Tensor | None = getattr(_own, "buffer", None)
+    if buffer is None or len(buffer) < n_bytes:
+        with torch.inference_mode(False):  # or only predictions could write to it
+            buffer = _own.buffer = torch.empty(n_bytes, dtype=torch.uint8)
+    return buffer
