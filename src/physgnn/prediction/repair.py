@@ -28,9 +28,9 @@ def chooses_a_state(body: Body, case: LoadCase, displacement: FloatArray) -> boo
 
     Cells under a force on few points snap through when it pushes them in far, and then
     other equilibria lie near; the one meant is that which the growing load reaches. On
-    dataset 1 (validation paths, levels to 30), all repairs that began at an answer and
-    ended at another equilibrium had a loaded point 1.72 mean edges or more from where
-    it was; a third of all samples have one more than 1.5 away.
+    dataset 1, all repairs seen that began at an answer and ended at another equilibrium
+    had a loaded point 1.72 mean edges or more from where it was (docs/error_bars.md);
+    a third of all samples have one more than 1.5 away.
 
     Parameters
     ----------
