@@ -137,6 +137,28 @@ def test_of_two_equilibria_the_load_reaches_the_one_followed_to():
         followed = approach.solve(path.case(level), tolerance_mm=TOLERANCE_MM)
         assert followed.origin == "path"
         np.testing.assert_allclose(followed.displacement, states[level], atol=1e-3)
+        begun = approach.solve(
+            path.case(level), 0.99 * states[14], share=0.5, tolerance_mm=TOLERANCE_MM
+        )
+        assert begun.origin == "path"
+        np.testing.assert_allclose(begun.displacement, states[level], atol=1e-3)
+
+
+def test_the_rest_of_a_load_is_followed_from_the_share_a_guess_belongs_to(
+    approach, solved
+):
+    case, states = solved
+    begun, from_rest, far = (
+        approach.solve(case, guess, share=share, tolerance_mm=TOLERANCE_MM)
+        for guess, share in ((states[7], 0.8), (None, 0.0), (0.5 * states[7], 0.8))
+    )
+    for found in (begun, from_rest, far):
+        assert found.origin == "path"
+        assert found.status == Status.CONVERGED
+        error = np.linalg.norm(found.displacement - states[-1], axis=1).max()
+        assert error < TOLERANCE_MM
+    assert begun.counts["residuals"] < 0.6 * from_rest.counts["residuals"]
+    assert far.counts["residuals"] > from_rest.counts["residuals"], "not trusted"
 
 
 def test_a_guess_far_from_where_it_leads_is_not_trusted(approach, solved):

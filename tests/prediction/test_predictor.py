@@ -22,6 +22,7 @@ from physgnn.prediction.predictor import (
     RELAXATION_FILE,
     Predictor,
 )
+from physgnn.prediction.repair import UNSURE_BY
 from physgnn.prediction.run_calibration import calibrate_run
 
 SOLVER_MM = 1e-3  # two solves of one case agree at least this well
@@ -96,6 +97,20 @@ def test_an_answer_its_maker_does_not_trust_is_no_start_of_a_repair(
         prediction = predictor(case, tolerance_mm=0.01)
         assert prediction.status.name == status
         assert np.linalg.norm(prediction.displacement - truth, axis=1).max() < 0.01
+
+
+def test_the_estimate_is_larger_where_an_answer_does_not_tell_its_equilibrium(
+    body: Body, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = LoadCase(body.mesh.point_set("loaded")[:1], np.array([[0.0, 0.0, -0.01]]))
+    predictor = Predictor(body, linear_answer(body))
+    shallow = predictor(case, estimate="physical").likely_error_mm
+    monkeypatch.setattr("physgnn.prediction.repair.FARTHEST_IN", 1e-6)
+    deep = predictor(case, estimate="physical").likely_error_mm
+    assert shallow is not None
+    assert deep is not None
+    assert deep.mean_mm == pytest.approx(UNSURE_BY * shallow.mean_mm)
+    assert deep.max_mm == pytest.approx(UNSURE_BY * shallow.max_mm)
 
 
 def test_never_a_good_status_for_a_load_that_cannot_be_solved(

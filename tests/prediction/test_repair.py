@@ -5,7 +5,7 @@ import pytest
 
 from physgnn.learning.interface import Body
 from physgnn.mechanics.loads import LoadCase
-from physgnn.prediction.repair import FARTHEST_IN, chooses_a_state
+from physgnn.prediction.repair import FARTHEST_IN, WITHIN, depth, where_to_begin
 
 
 def pushed_in(body: Body, n_loaded: int, edges: float) -> tuple[LoadCase, np.ndarray]:
@@ -21,19 +21,51 @@ def pushed_in(body: Body, n_loaded: int, edges: float) -> tuple[LoadCase, np.nda
 
 
 @pytest.mark.parametrize("n_loaded", [1, 3])
-def test_one_far_in_does_not_choose_among_equilibria(body: Body, n_loaded: int) -> None:
-    case, near = pushed_in(body, n_loaded, 0.99 * FARTHEST_IN)
-    assert chooses_a_state(body, case, near)
-    case, far = pushed_in(body, n_loaded, 1.01 * FARTHEST_IN)
-    assert not chooses_a_state(body, case, far)
+def test_depth_is_measured_in_edges_of_the_cells_there(
+    body: Body, n_loaded: int
+) -> None:
+    case, displacement = pushed_in(body, n_loaded, 0.7 * FARTHEST_IN)
+    assert depth(body, case, displacement) == pytest.approx(0.7)
 
 
 def test_many_points_move_together(body: Body) -> None:
-    assert chooses_a_state(body, *pushed_in(body, 4, 10.0))
+    assert depth(body, *pushed_in(body, 4, 10.0)) == 0.0
 
 
 def test_points_without_force_do_not_count(body: Body) -> None:
     case, far = pushed_in(body, 4, 10.0)
     case.forces[1:] = 0.0
-    assert not chooses_a_state(body, case, far)
-    assert chooses_a_state(body, case, 0 * far)
+    assert depth(body, case, far) > 1.0
+    assert depth(body, case, 0 * far) == 0.0
+
+
+@pytest.mark.parametrize("exponent", [0.8, 1.0, 1.25])
+def test_a_repair_begins_at_the_share_that_still_tells_its_state(
+    body: Body, exponent: float
+) -> None:
+    case, near = pushed_in(body, 1, 0.99 * FARTHEST_IN)
+    assert where_to_begin(unwanted, body, case, near).share == 1.0
+    case, far = pushed_in(body, 1, 2 * FARTHEST_IN)
+
+    def answer(part: LoadCase) -> np.ndarray:
+        share = np.linalg.norm(part.forces) / np.linalg.norm(case.forces)
+        return float(share) ** exponent * far
+
+    start = where_to_begin(answer, body, case, far)
+    part = LoadCase(case.nodes, start.share * case.forces)
+    assert 0.2 < start.share < 0.9
+    assert start.displacement is not None
+    np.testing.assert_array_equal(start.displacement, answer(part))
+    assert 0.6 * WITHIN < depth(body, part, start.displacement) <= 1.0
+
+
+@pytest.mark.parametrize("size", [1.0, np.nan])
+def test_where_no_share_tells_it_begins_at_rest(body: Body, size: float) -> None:
+    case, far = pushed_in(body, 1, 2 * FARTHEST_IN)
+    start = where_to_begin(lambda _: size * far, body, case, size * far)
+    assert start.displacement is None
+    assert start.share == 0.0
+
+
+def unwanted(_: LoadCase) -> np.ndarray:
+    raise AssertionError("the answer to the whole load was good enough")

@@ -212,10 +212,6 @@ class LiftedModel(Model):
         """Bring the cells near a force on few points into equilibrium."""
         return self._near_loads.settled(load_case, displacement)
 
-    def is_sound(self, load_case: LoadCase) -> bool:
-        """Return False where `refine` met cells that snapped through under the load."""
-        return self._near_loads.is_sound(load_case)
-
     def _project(self, terms: Tensor) -> Tensor:
         """Return (batch, 3 · modes) products of three fields with the modes."""
         flat = self.modes.flatten(1)

@@ -5,7 +5,6 @@ one that is spread over a patch does not.
 """
 
 from functools import cached_property
-from weakref import WeakSet
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from physgnn.learning.mesh_gradient import points_within
 from physgnn.mechanics.assembly import Pattern, make_pattern
 from physgnn.mechanics.element import Elements, make_elements
 from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.settling import Settled, settle
+from physgnn.mechanics.settling import settle
 
 FloatArray = NDArray[np.float64]
 
@@ -37,7 +36,6 @@ class NearLoads:
 
     def __init__(self, body: Body, reach: int) -> None:
         self._body, self._reach = body, reach
-        self._unsound = WeakSet[LoadCase]()
 
     @cached_property
     def _parts(self) -> tuple[Elements, Pattern]:
@@ -53,25 +51,6 @@ class NearLoads:
         """
         if not self._acts_on_few(load_case):
             return displacement
-        found = self._settle(load_case, displacement)
-        if found is None or found.snapped:
-            self._unsound.add(load_case)
-        return displacement if found is None else found.displacement
-
-    def is_sound(self, load_case: LoadCase) -> bool:
-        """Return False for a load given to `settled` whose cells snapped through.
-
-        Or found no equilibrium: which one belongs to the load is then not theirs to
-        say, but that of the whole body's path from rest.
-        """
-        return load_case not in self._unsound
-
-    def _acts_on_few(self, load_case: LoadCase) -> bool:
-        n_loaded = int(load_case.forces.any(axis=1).sum())
-        settles = self._reach > 0 and self._body.element == DEFAULT_ELEMENT
-        return settles and 0 < n_loaded <= FEW
-
-    def _settle(self, load_case: LoadCase, displacement: FloatArray) -> Settled | None:
         force = load_case.on_points(self._body.mesh.n_points)
         loaded = np.flatnonzero(force.any(axis=1))
         # Where an outer cell is turned over, a smaller patch may still do.
@@ -80,4 +59,9 @@ class NearLoads:
             found = settle(*self._parts, points, displacement, force)
             if found is not None:
                 return found
-        return None
+        return displacement
+
+    def _acts_on_few(self, load_case: LoadCase) -> bool:
+        n_loaded = int(load_case.forces.any(axis=1).sum())
+        settles = self._reach > 0 and self._body.element == DEFAULT_ELEMENT
+        return settles and 0 < n_loaded <= FEW

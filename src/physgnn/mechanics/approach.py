@@ -2,8 +2,8 @@
 
 Where a body has several equilibria under a load, the one meant is that which the load
 reaches as it grows from nothing. A guess says which that is, so equilibrium is looked
-for down in energy from it; without one, or if there is none next to it, the load is
-followed.
+for down in energy from it; if it is a guess for a share of the load, the rest of it is
+followed. Without one, or if there is no equilibrium next to it, all of it is.
 """
 
 from collections.abc import Mapping
@@ -37,7 +37,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 MAX_ITERATIONS = 20  # a step of the walk from rest; what needs more is better halved
-STEPS, MIN_STEP = 30, 1e-3  # from rest; longer ones may miss where a path turns back
+STEPS = 30  # from rest; longer ones may miss where a path turns back
+MIN_STEP = 1 / 120  # shorter ones rarely help where these fail: there the body falls
 MAX_HALVINGS = 10
 FAR = 1 / 10  # of the largest displacement, is too far for a guess to choose a state
 
@@ -125,7 +126,12 @@ class Approach:
         return relax(iteration, start)
 
     def solve(
-        self, case: LoadCase, guess: FloatArray | None = None, *, tolerance_mm: float
+        self,
+        case: LoadCase,
+        guess: FloatArray | None = None,
+        *,
+        share: float = 1.0,
+        tolerance_mm: float,
     ) -> Approached:
         """Return the equilibrium under a load case.
 
@@ -134,6 +140,8 @@ class Approach:
         case : LoadCase
         guess : (n_points, 3) array, optional
             mm; cells may be inverted in it. Without it the load is followed from rest.
+        share : float
+            Of the load, that the guess belongs to.
         tolerance_mm : float
             Bound on the estimated error of the worst point.
 
@@ -143,16 +151,16 @@ class Approach:
             If a loaded node is missing from the mesh or fixed.
         """
         iteration = self._iteration(case, tolerance_mm)
-        known = self._known(case.on_points(self._mesh.n_points)).displacement
-        origin, found = "guess", None
+        known = self._known(share * case.on_points(self._mesh.n_points)).displacement
+        origin, found = "guess" if share == 1.0 else "path", None
         if guess is not None and np.isfinite(guess).all():
             safe, start = self._unknowns(known), self._unknowns(guess)
             start = _without_inverted_cells(iteration, safe, start)
-            found = descend(iteration, start, fallback=safe)
-            if largest_norm(found.state - start) > FAR * largest_norm(found.state):
-                found = None
+            found = _next_to(iteration, start, safe, share)
+            if found is not None and share < 1.0:
+                found = _follow(iteration, found.state, share)
         if found is None or found.status != Status.CONVERGED:
-            origin, found = "path", _follow(iteration)
+            origin, found = "path", _follow_from_rest(iteration)
         return Approached(
             iteration.displacement(found.state, 1.0),
             found.status,
@@ -188,15 +196,38 @@ def _without_inverted_cells(
     return known
 
 
-def _follow(iteration: QuasiNewton) -> Equilibrium:
-    """Let the load grow from nothing; return the last equilibrium if it gets stuck."""
+def _next_to(
+    iteration: QuasiNewton, start: FloatArray, known: FloatArray, share: float
+) -> Equilibrium | None:
+    """Return the stable equilibrium under a share of the load next to a start."""
+    found = descend(iteration, start, fallback=known, load_factor=share)
+    far = largest_norm(found.state - start) > FAR * largest_norm(found.state)
+    return None if far or found.status != Status.CONVERGED else found
+
+
+def _follow_from_rest(iteration: QuasiNewton) -> Equilibrium:
     rest = np.zeros(iteration.pattern.n_unknowns)
     if not iteration.refactorize(rest, 0.0):
         return Equilibrium(rest, Status.LIMIT_POINT, np.inf)
-    linear = iteration.direction(iteration.residual(rest, 1.0)[0])
-    walk = PathFollower(iteration, lambda s: s * linear, min_step=MIN_STEP)
-    for target in np.arange(1, STEPS + 1) / STEPS:
-        found, _ = advance_or_fall(walk, float(target))
+    return _follow(iteration, rest, 0.0)
+
+
+def _follow(iteration: QuasiNewton, state: FloatArray, share: float) -> Equilibrium:
+    """Let the load grow from a share; return the last equilibrium if it gets stuck.
+
+    The iteration's factor must be that of the equilibrium it starts from.
+    """
+    slope = iteration.direction(iteration.residual(state, 1.0)[0]) / (1.0 - share)
+    walk = PathFollower(
+        iteration,
+        lambda factor: state + (factor - share) * slope,
+        min_step=MIN_STEP,
+        start=share,
+    )
+    n_steps = int(np.ceil(STEPS * (1.0 - share)))
+    for target in np.linspace(share, 1.0, n_steps + 1)[1:].tolist():
+        found, _ = advance_or_fall(walk, target)
         if found.status != Status.CONVERGED:
             return Equilibrium(walk.state, found.status, found.residual_norm)
+    rest = np.zeros_like(state)
     return descend(iteration, walk.state, fallback=rest)  # is it stable?

@@ -16,17 +16,20 @@ LONGEST_FALL = 150  # steps; the snap-throughs of the published sets took up to 
 
 
 class PathFollower:
-    """One walk along one path, from an equilibrium at load factor 0.
+    """One walk along one path, from an equilibrium on it.
 
     Parameters
     ----------
     iteration : QuasiNewton
-        Knows the loads; its factor must be that of the equilibrium at 0.
+        Knows the loads; its factor must be that of the equilibrium at the start.
     trend : callable
-        From a load factor to the state expected there, (n_unknowns,); at 0 it must be
-        the equilibrium. What the walk finds is extrapolated as a departure from it.
+        From a load factor to the state expected there, (n_unknowns,); at the start it
+        must be the equilibrium. What the walk finds is extrapolated as a departure
+        from it.
     min_step : float
         Smallest step in the load factor before the walk is given up.
+    start : float
+        The load factor it starts at.
     """
 
     def __init__(
@@ -35,9 +38,10 @@ class PathFollower:
         trend: Callable[[float], FloatArray],
         *,
         min_step: float,
+        start: float = 0.0,
     ) -> None:
         self._iteration, self._trend, self._min_step = iteration, trend, min_step
-        self._departures = PathHistory(0.0, np.zeros(iteration.pattern.n_unknowns))
+        self._departures = PathHistory(start, np.zeros(iteration.pattern.n_unknowns))
         self._trusted = float("inf")  # longest step to begin with, once one failed
 
     @property

@@ -2,10 +2,7 @@
 
 What a network predicts is good far from a force on a single point and poor in the few
 cells under it. There the equations themselves are solved, with the prediction as the
-patch's boundary. Such cells may have several equilibria, so load and boundary grow from
-nothing in steps: the one wanted is that at the end of the path from rest. Where the
-path turns back the cells snap through, and then a slightly other boundary could lead
-elsewhere.
+patch's boundary.
 """
 
 from dataclasses import dataclass, replace
@@ -16,36 +13,15 @@ from numpy.typing import NDArray
 
 from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
 from physgnn.mechanics.element import Elements, internal_force, strain_energy
-from physgnn.mechanics.extrapolation import PathHistory
 from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
 from physgnn.mechanics.patch import cut_out, some_cells
-from physgnn.mechanics.quasi_newton import largest_norm
 from physgnn.mechanics.small_newton import minimise
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-STEP = 0.3  # of the linear answer from rest, in edges of a mean cell
-MIN_STEP = 1 / 32  # of a step
-FAR = 1 / 25  # a jump, in largest displacements; chosen on validation paths
+MIN_STEP = 1 / 64  # of the way from rest
 SMALL_MM = 1e-6  # displacement that forces are linear in
-
-
-@dataclass(frozen=True, eq=False)
-class Settled:
-    """A body with some points in equilibrium.
-
-    Attributes
-    ----------
-    displacement : (n_points, 3) array
-        mm.
-    snapped : bool
-        Whether the points jumped on their way from rest: which of several equilibria
-        they are in may then depend on what was guessed for the others.
-    """
-
-    displacement: FloatArray
-    snapped: bool
 
 
 def settle(
@@ -54,7 +30,7 @@ def settle(
     points: IntArray,
     guess: FloatArray,
     force: FloatArray,
-) -> Settled | None:
+) -> FloatArray | None:
     """Bring some points into equilibrium, all others staying where a guess has them.
 
     Parameters
@@ -70,8 +46,8 @@ def settle(
 
     Returns
     -------
-    Settled or None
-        None if no equilibrium was found.
+    (n_points, 3) array or None
+        mm; None if no equilibrium was found.
     """
     points = np.unique(points)
     part, free, _ = cut_out(elements, pattern, points)
@@ -84,13 +60,12 @@ def settle(
     change = np.asarray(np.isin(part.cells, moving).any(axis=1), dtype=np.bool_)
     patch = _Clamped.of(some_cells(part, change), moving, guess[points])
     found = points[patch.pattern.free]
-    drawn = _drawn(patch, force[found].ravel())
-    if drawn is None:
+    x = _drawn(patch, force[found].ravel())
+    if x is None:
         return None
-    x, snapped = drawn
     settled = guess.copy()
     settled[found] = x.reshape(-1, 3)
-    return Settled(settled, snapped)
+    return settled
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,11 +101,6 @@ class _Clamped:
         """The stiffness at rest."""
         return self._at(0.0).stiffness(np.zeros(self.pattern.n_unknowns))
 
-    @property
-    def edge(self) -> float:
-        """Edge of a regular cell of the mean volume, mm."""
-        return float(np.cbrt(6 * np.sqrt(2) * self.elements.volumes.mean()))
-
     def energy(self, x: FloatArray) -> float:
         """Return the strain energy, N mm."""
         return strain_energy(self.elements, self._displacement(x))
@@ -148,11 +118,11 @@ class _Clamped:
         """Return K⁻¹ f, None if K is not positive definite."""
         return self.linear.solve(force) if self.linear.factorize(stiffness) else None
 
-    def linear_answer(self, load: FloatArray) -> FloatArray:
-        """Return the linear answer to a load and to what is held."""
+    def pull(self) -> FloatArray:
+        """Return the unknowns as what is held pulls them along, by linear response."""
         tiny = SMALL_MM / max(float(np.abs(self.held).max()), SMALL_MM)
         pulled = self._at(tiny).force(np.zeros(self.pattern.n_unknowns)) / tiny
-        answer = self.solve(self.stable, load - pulled)
+        answer = self.solve(self.stable, -pulled)
         return np.zeros_like(pulled) if answer is None else answer
 
     def minimum(
@@ -174,26 +144,17 @@ class _Clamped:
         return u
 
 
-def _drawn(patch: _Clamped, load: FloatArray) -> tuple[FloatArray, bool] | None:
-    """Let load and held points' displacement grow from nothing; say if it snapped.
-
-    It did if a state lies far from where those before it point.
-    """
-    linear = patch.linear_answer(load)
-    departures = PathHistory(0.0, np.zeros_like(load))
-    whole = 1 / max(np.ceil(largest_norm(linear) / (STEP * patch.edge)), 1.0)
-    done, step, jump = 0.0, whole, 0.0
+def _drawn(patch: _Clamped, load: FloatArray) -> FloatArray | None:
+    """Let load and held points' displacement grow from nothing, at once if it goes."""
+    x, way = np.zeros_like(load), patch.pull()
+    done, step = 0.0, 1.0
     while done < 1.0:
-        share = done + step if done + 1.5 * step < 1.0 else 1.0
-        guess = share * linear + departures.predict(share)
-        found = patch.minimum(share, load, guess)
-        if found is not None:
-            jump = max(jump, largest_norm(found - guess))
-            departures.add(share, found - share * linear)
-            done, step = share, min(2 * step, whole)
-        elif step > MIN_STEP * whole:
+        share = min(done + step, 1.0)
+        found = patch.minimum(share, load, x + (share - done) * way)
+        if found is None:
             step /= 2
-        else:
-            return None
-    x = linear + departures.newest[1]
-    return x, jump > FAR * largest_norm(x)
+            if step < MIN_STEP:
+                return None
+            continue
+        x, done = found, share
+    return x

@@ -38,9 +38,7 @@ def quick_linear(model: Model) -> Answer | None:
 
 def soundness(model: Model) -> Callable[[LoadCase], bool] | None:
     """Return how a model tells that it has no sound answer to a load, if it can."""
-    if isinstance(model, LiftedModel | ReducedModel):
-        return model.is_sound
-    return None
+    return model.is_sound if isinstance(model, ReducedModel) else None
 
 
 def first_cases(model: Model) -> Iterator[LoadCase]:

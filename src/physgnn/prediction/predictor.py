@@ -33,7 +33,14 @@ from physgnn.prediction.prediction import (
     Prediction,
     PredictionStatus,
 )
-from physgnn.prediction.repair import chooses_a_state, good_enough, repair
+from physgnn.prediction.repair import (
+    UNSURE_BY,
+    Start,
+    depth,
+    good_enough,
+    repair,
+    where_to_begin,
+)
 
 CALIBRATION_FILE = "calibration.json"
 RELAXATION_FILE = "calibration-relaxation.json"
@@ -175,7 +182,7 @@ class Predictor:
             If the load does not fit the mesh, the tolerance is not positive or the
             estimate unknown.
         """
-        start = time.perf_counter()
+        begun = time.perf_counter()
         load_case.check_against(self.body.mesh, self.body.fixed)
         if tolerance_mm is not None and not tolerance_mm > 0:
             raise InputError(f"tolerance_mm must be > 0 (got {tolerance_mm})")
@@ -189,24 +196,22 @@ class Predictor:
             bounds = self._quick(load_case, displacement)
         else:
             relaxed = self.relax(load_case, displacement)
-            bounds, likely = self._physical(load_case, displacement, relaxed.error)
+            error = self._estimate(load_case, relaxed)
+            bounds, likely = self._physical(load_case, displacement, error)
             if tolerance_mm is not None and not (
                 status.usable and good_enough(bounds, likely, tolerance_mm)
             ):
-                guess = relaxed.displacement
-                trusted = self._is_sound(load_case) and chooses_a_state(
-                    self.body, load_case, guess
-                )
+                start = self._start(load_case, relaxed.displacement)
                 displacement, bounds, status = repair(
-                    self._approach, load_case, guess if trusted else None, tolerance_mm
+                    self._approach, load_case, start, tolerance_mm
                 )
                 likely = None
-        seconds = time.perf_counter() - start
+        seconds = time.perf_counter() - begun
         return Prediction(displacement, bounds, status, seconds, likely)
 
     def error(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
         """Return the physical estimate of an answer's error, (n_points, 3), mm."""
-        return self.relax(load_case, displacement).error
+        return self._estimate(load_case, self.relax(load_case, displacement))
 
     def relax(self, load_case: LoadCase, displacement: FloatArray) -> Relaxation:
         """Take a few steps from an answer towards equilibrium: its error's estimate."""
@@ -226,6 +231,19 @@ class Predictor:
         if self._indicator is None:
             raise InputError("the predictor is not calibrated: train its run again")
         return self._indicator(load_case, displacement)
+
+    def _estimate(self, load_case: LoadCase, relaxed: Relaxation) -> FloatArray:
+        """Return what relaxing tells of an answer's error; more where others lie near.
+
+        It tells how far the nearest equilibrium is, which may not be the one meant.
+        """
+        sure = depth(self.body, load_case, relaxed.displacement) <= 1.0
+        return relaxed.error if sure else UNSURE_BY * relaxed.error
+
+    def _start(self, load_case: LoadCase, displacement: FloatArray) -> Start:
+        if not self._is_sound(load_case):
+            return Start(None, 0.0)
+        return where_to_begin(self.answer, self.body, load_case, displacement)
 
     def _quick(
         self, load_case: LoadCase, displacement: FloatArray

@@ -1,5 +1,7 @@
 """When an answer is good enough, and how one that is not is taken to equilibrium."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from physgnn.learning.interface import Body
@@ -8,6 +10,7 @@ from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.solution import Status
 from physgnn.prediction.prediction import (
+    Answer,
     ErrorEstimate,
     FloatArray,
     LikelyError,
@@ -15,22 +18,42 @@ from physgnn.prediction.prediction import (
 )
 
 WRONG_BY = 2.0  # the physical estimate may be too small by such a factor
+UNSURE_BY = 4.0  # it is made larger where another equilibrium may be the one meant
 SAFETY = 10.0  # the solver's own estimate must be so much below the tolerance
 FARTHEST_IN = 1.5  # mean edges, of a point that one of few forces acts on
+WITHIN = 0.95  # of that is aimed at
+MAX_TRIES = 4
 STATUS_BY_ORIGIN = {
     "guess": PredictionStatus.REPAIRED,
     "path": PredictionStatus.SOLVED,
 }
 
 
-def chooses_a_state(body: Body, case: LoadCase, displacement: FloatArray) -> bool:
-    """Return whether an answer tells which of a load's equilibria is meant.
+@dataclass(frozen=True, eq=False)
+class Start:
+    """What a repair begins at.
 
-    Cells under a force on few points snap through when it pushes them in far, and then
-    other equilibria lie near; the one meant is that which the growing load reaches. On
-    dataset 1, all repairs seen that began at an answer and ended at another equilibrium
-    had a loaded point 1.72 mean edges or more from where it was (docs/error_bars.md);
-    a third of all samples have one more than 1.5 away.
+    Attributes
+    ----------
+    displacement : (n_points, 3) array or None
+        An answer, mm; None for rest.
+    share : float
+        Of the load, that it is the answer to.
+    """
+
+    displacement: FloatArray | None
+    share: float
+
+
+def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
+    """Return how far a force on few points pushes them in, in the farthest allowed.
+
+    Cells under such a force snap through when it pushes them in far, and then other
+    equilibria lie near; the one meant is that which the growing load reaches. Up to 1
+    an answer tells which one that is. On dataset 1, all repairs seen that began at an
+    answer and ended at another equilibrium had a loaded point 1.66 mean edges or more
+    from where it was (docs/error_bars.md); a third of all samples have one more than
+    1.5 away. Zero if the load acts on many points.
 
     Parameters
     ----------
@@ -41,12 +64,40 @@ def chooses_a_state(body: Body, case: LoadCase, displacement: FloatArray) -> boo
     """
     loaded = case.nodes[case.forces.any(axis=1)]
     if len(loaded) > FEW:
-        return True
+        return 0.0
     graph = body.graph
     rows = zip(graph.row_start[loaded], graph.row_start[loaded + 1], strict=True)
     edges = np.array([float((1 / graph.weight[a:b]).mean()) for a, b in rows])
     way = np.linalg.norm(displacement[loaded], axis=1)
-    return bool((way <= FARTHEST_IN * edges).all())
+    return float((way / (FARTHEST_IN * edges)).max(initial=0.0))
+
+
+def where_to_begin(
+    answer: Answer, body: Body, case: LoadCase, displacement: FloatArray
+) -> Start:
+    """Return the answer to a load, or to that share of it which still tells its state.
+
+    Parameters
+    ----------
+    answer : callable
+        Is asked for smaller shares.
+    body : Body
+    case : LoadCase
+    displacement : (n_points, 3) array
+        The answer to the whole load, mm.
+    """
+    share = 1.0
+    for _ in range(MAX_TRIES):
+        part = LoadCase(case.nodes, share * case.forces)
+        if share < 1.0:
+            displacement = answer(part)
+        deep = depth(body, part, displacement)
+        if deep <= 1.0:
+            return Start(displacement, share)
+        if not np.isfinite(deep):
+            break
+        share *= WITHIN / deep
+    return Start(None, 0.0)
 
 
 def good_enough(
@@ -59,15 +110,18 @@ def good_enough(
 
 
 def repair(
-    approach: Approach, case: LoadCase, guess: FloatArray | None, tolerance_mm: float
+    approach: Approach, case: LoadCase, start: Start, tolerance_mm: float
 ) -> tuple[FloatArray, ErrorEstimate | None, PredictionStatus]:
-    """Return the stable equilibrium next to a guess, its error and its status.
+    """Return the stable equilibrium next to a start, its error and its status.
 
-    Without a guess, or without an equilibrium next to it, the load is followed from
-    rest. Where none is found the error is None and the status TOLERANCE_NOT_MET.
+    What the start lacks of the load is followed from there; without an equilibrium next
+    to it, the whole load is. Where none is found the error is None and the status
+    TOLERANCE_NOT_MET.
     """
     within = tolerance_mm / SAFETY
-    found = approach.solve(case, guess, tolerance_mm=within)
+    found = approach.solve(
+        case, start.displacement, share=start.share, tolerance_mm=within
+    )
     if found.status != Status.CONVERGED:
         return found.displacement, None, PredictionStatus.TOLERANCE_NOT_MET
     error = ErrorEstimate(within, within, 1.0)

@@ -1,0 +1,171 @@
+"""Certified answers to load paths drawn anew, which no rule was chosen on.
+
+    python benchmarks/new_loads.py runs/lifted loads.zarr --log new-loads.jsonl
+    python benchmarks/new_loads.py runs/lifted loads.zarr --elsewhere 100 …
+
+Each path pushes one point within a cone about its inward normal: one of the points the
+store's paths load, or of as many others near them. True is where the load leads when it
+grows in 120 steps. The same in 30 steps, as `physgnn simulate` goes, stands beside it.
+What the log has is not measured again. Prints Markdown.
+"""
+
+import argparse
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from held_out import Log, lengths
+from physgnn.dataset import Store
+from physgnn.geometry.boundary import boundary_surface
+from physgnn.learning.interface import Body
+from physgnn.mechanics import LoadPath, Solver, SolverOptions, Status
+from physgnn.mechanics.load_paths import cone_paths, equal_levels
+from physgnn.prediction.prediction import Prediction, PredictionStatus
+from physgnn.prediction.predictor import Predictor
+from tables import machine, table
+
+FINE, COARSE = 120, 30
+GOOD = (PredictionStatus.OK, PredictionStatus.REPAIRED, PredictionStatus.SOLVED)
+GROUPS = ((0.0, 0.35), (0.35, 0.7), (0.7, 1.0), (0.0, 1.0))
+
+
+def loaded_points(store: Store) -> np.ndarray:
+    paths = (store.load_path(path) for path in range(store.n_paths))
+    return np.unique(np.concatenate([path.nodes for path in paths]))
+
+
+def points_beside(body: Body, loaded: np.ndarray, how_many: int) -> np.ndarray:
+    """Return free points of the surface, the nearest to the middle of the loaded."""
+    points = body.mesh.points
+    surface = np.unique(boundary_surface(body.mesh).faces)
+    others = np.setdiff1d(surface, np.union1d(body.fixed, loaded))
+    middle = points[loaded].mean(axis=0)
+    distance = np.linalg.norm(points[others] - middle, axis=1)
+    return others[np.argsort(distance)[:how_many]]
+
+
+def truths(solver: Solver, path: LoadPath, n_levels: int) -> list[np.ndarray | None]:
+    """Return the states at the path's own load factors, growing in so many steps."""
+    fine = LoadPath(path.nodes, path.forces, equal_levels(n_levels))
+    solution = solver.solve(fine)
+    at = np.rint(path.load_factors * n_levels).astype(int) - 1
+    return [
+        solution.displacement[i] if solution.status[i] == Status.CONVERGED else None
+        for i in at
+    ]
+
+
+def far_apart(a: np.ndarray | None, b: np.ndarray | None) -> float:
+    return np.nan if a is None or b is None else lengths(a - b)[1]
+
+
+def measure(predictor: Predictor, path: LoadPath, number: int, log: Log, mm: float):
+    """Log what is missing of a path."""
+    levels = [(number, level) for level in range(path.n_levels)]
+    missing = list(log.missing(levels, "network"))
+    if not missing:
+        return
+    body = predictor.body
+    options = SolverOptions(element=body.element)
+    solver = Solver(body.mesh, body.materials, body.fixed, options=options)
+    true, coarse = (truths(solver, path, n) for n in (FINE, COARSE))
+    for _, level in missing:
+        case, begun = path.case(level), time.process_time()
+        found: Prediction = predictor(case, tolerance_mm=mm)
+        processor = time.process_time() - begun
+        answer = predictor.answer(case)
+        log.add(
+            path=number,
+            level=level + 1,
+            what="network",
+            load_factor=float(path.load_factors[level]),
+            error=far_apart(found.displacement, true[level]),
+            coarse=far_apart(coarse[level], true[level]),
+            answer=far_apart(answer, true[level]),
+            physical=lengths(predictor.error(case, answer))[1],
+            status=found.status.name,
+            seconds=found.seconds,
+            processor_seconds=processor,
+        )
+
+
+def rows(log: Log, mm: float) -> Iterator[tuple[str, ...]]:
+    for low, high in GROUPS:
+        group = [r for r in log.records if low < r["load_factor"] <= high + 1e-9]
+        known = [r for r in group if np.isfinite(r["error"])]
+        if not known:
+            continue
+        good = [r for r in known if PredictionStatus[r["status"]] in GOOD]
+        ratio = np.array([r["physical"] / r["answer"] for r in known])
+        coarse = np.array([r["coarse"] for r in known])
+        seconds, processor = (
+            " / ".join(f"{q:.2f}" for q in np.quantile(times, (0.5, 0.95, 1.0)))
+            for times in zip(
+                *((r["seconds"], r["processor_seconds"]) for r in group), strict=True
+            )
+        )
+        yield (
+            f"{low:g} to {high:g}",
+            str(len(group)),
+            str(len(group) - len(known)),
+            f"{100 * np.mean([r['error'] <= mm for r in known]):.1f} %",
+            str(sum(r["error"] > mm for r in good)),
+            str(len(known) - len(good)),
+            str(int((~(coarse <= mm)).sum())),
+            f"{100 * np.mean((ratio >= 0.5) & (ratio <= 2)):.0f} %",
+            str(int((ratio < 0.5).sum())),
+            seconds,
+            processor,
+        )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("run", type=Path)
+    parser.add_argument("store", type=Path)
+    parser.add_argument("--log", type=Path, default=Path("new-loads.jsonl"))
+    parser.add_argument("--paths", type=int, default=40)
+    parser.add_argument("--levels", type=int, default=6)
+    parser.add_argument("--elsewhere", type=int, default=0, metavar="POINTS")
+    parser.add_argument("--force-n", type=float, default=1.35)
+    parser.add_argument("--cone-deg", type=float, default=60.0)
+    parser.add_argument("--seed", type=int, default=2026)
+    parser.add_argument("--tolerance-mm", type=float, default=0.1)
+    options = parser.parse_args()
+    print(machine())
+    predictor, log = Predictor.load(options.run), Log(options.log)
+    nodes = loaded_points(Store.open(options.store))
+    if options.elsewhere:
+        nodes = points_beside(predictor.body, nodes, options.elsewhere)
+    paths = cone_paths(
+        predictor.body.mesh,
+        nodes,
+        total_force_n=options.force_n,
+        n_levels=options.levels,
+        n_paths=options.paths,
+        cone_deg=options.cone_deg,
+        nodes_per_path=1,
+        seed=options.seed,
+    )
+    for number, path in enumerate(paths):
+        measure(predictor, path, number, log, options.tolerance_mm)
+    head = (
+        "load factor",
+        "samples",
+        "without a truth",
+        f"error ≤ {options.tolerance_mm:g} mm",
+        "wrong with a good status",
+        "said not to be met",
+        "wrong in 30 steps",
+        "estimate within a factor of 2",
+        "too small by more",
+        "seconds, 50 / 95 / 100 %",
+        "of processor",
+    )
+    table(head, rows(log, options.tolerance_mm))
+
+
+if __name__ == "__main__":
+    main()
