@@ -9,7 +9,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
 
-.PHONY: setup demo bundled test benchmark clean
+.PHONY: setup demo bundled test clean
 
 setup: $(STAMP)
 
@@ -31,9 +31,6 @@ test: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/pytest
-
-benchmark: setup
-	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
 
 clean:
 	rm -rf $(VENV) demo src/*.egg-info .*_cache

@@ -147,11 +147,7 @@ def main() -> None:
     end = time.perf_counter() + options.seconds
     if options.seconds > 0:
         starts = Starts(options.run, store, options.tolerance_mm)
-        for names, samples in (
-            (["network"], many),
-            (list(starts.predict), few),
-            (["cold solve"], many),
-        ):
+        for names, samples in ((list(starts.predict), few), (["network"], many)):
             measure(starts, names, samples, log, end)
     report(log, options.tolerance_mm)
 
