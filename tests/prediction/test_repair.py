@@ -5,7 +5,7 @@ import pytest
 
 from physgnn.learning.interface import Body
 from physgnn.mechanics.loads import LoadCase
-from physgnn.prediction.repair import FARTHEST_IN, WITHIN, depth, where_to_begin
+from physgnn.prediction.repair import AIM, DEEPEST, depth, where_to_begin
 
 
 def pushed_in(body: Body, n_loaded: int, edges: float) -> tuple[LoadCase, np.ndarray]:
@@ -24,7 +24,7 @@ def pushed_in(body: Body, n_loaded: int, edges: float) -> tuple[LoadCase, np.nda
 def test_depth_is_measured_in_edges_of_the_cells_there(
     body: Body, n_loaded: int
 ) -> None:
-    case, displacement = pushed_in(body, n_loaded, 0.7 * FARTHEST_IN)
+    case, displacement = pushed_in(body, n_loaded, 0.7)
     assert depth(body, case, displacement) == pytest.approx(0.7)
 
 
@@ -35,7 +35,7 @@ def test_many_points_move_together(body: Body) -> None:
 def test_points_without_force_do_not_count(body: Body) -> None:
     case, far = pushed_in(body, 4, 10.0)
     case.forces[1:] = 0.0
-    assert depth(body, case, far) > 1.0
+    assert depth(body, case, far) == pytest.approx(10.0)
     assert depth(body, case, 0 * far) == 0.0
 
 
@@ -43,9 +43,9 @@ def test_points_without_force_do_not_count(body: Body) -> None:
 def test_a_repair_begins_at_the_share_that_still_tells_its_state(
     body: Body, exponent: float
 ) -> None:
-    case, near = pushed_in(body, 1, 0.99 * FARTHEST_IN)
+    case, near = pushed_in(body, 1, 0.99 * DEEPEST)
     assert where_to_begin(unwanted, body, case, near).share == 1.0
-    case, far = pushed_in(body, 1, 2 * FARTHEST_IN)
+    case, far = pushed_in(body, 1, 2 * DEEPEST)
 
     def answer(part: LoadCase) -> np.ndarray:
         share = np.linalg.norm(part.forces) / np.linalg.norm(case.forces)
@@ -56,12 +56,12 @@ def test_a_repair_begins_at_the_share_that_still_tells_its_state(
     assert 0.2 < start.share < 0.9
     assert start.displacement is not None
     np.testing.assert_array_equal(start.displacement, answer(part))
-    assert 0.6 * WITHIN < depth(body, part, start.displacement) <= 1.0
+    assert 0.6 * AIM < depth(body, part, start.displacement) / DEEPEST <= 1.0
 
 
 @pytest.mark.parametrize("size", [1.0, np.nan])
 def test_where_no_share_tells_it_begins_at_rest(body: Body, size: float) -> None:
-    case, far = pushed_in(body, 1, 2 * FARTHEST_IN)
+    case, far = pushed_in(body, 1, 2 * DEEPEST)
     start = where_to_begin(lambda _: size * far, body, case, size * far)
     assert start.displacement is None
     assert start.share == 0.0

@@ -35,6 +35,7 @@ from physgnn.prediction.prediction import (
 )
 from physgnn.prediction.repair import (
     UNSURE_BY,
+    UNSURE_FROM,
     Start,
     depth,
     good_enough,
@@ -237,7 +238,7 @@ class Predictor:
 
         It tells how far the nearest equilibrium is, which may not be the one meant.
         """
-        sure = depth(self.body, load_case, relaxed.displacement) <= 1.0
+        sure = depth(self.body, load_case, relaxed.displacement) <= UNSURE_FROM
         return relaxed.error if sure else UNSURE_BY * relaxed.error
 
     def _start(self, load_case: LoadCase, displacement: FloatArray) -> Start:

@@ -18,10 +18,11 @@ from physgnn.prediction.prediction import (
 )
 
 WRONG_BY = 2.0  # the physical estimate may be too small by such a factor
-UNSURE_BY = 4.0  # it is made larger where another equilibrium may be the one meant
+UNSURE_BY = 4.0  # it is made so much larger beyond UNSURE_FROM
+UNSURE_FROM = 1.5  # edges deep
 SAFETY = 10.0  # the solver's own estimate must be so much below the tolerance
-FARTHEST_IN = 1.5  # mean edges, of a point that one of few forces acts on
-WITHIN = 0.95  # of that is aimed at
+DEEPEST = 1.2  # edges, of an answer that a repair begins at
+AIM = 0.8  # of that, where a smaller share of the load is looked for
 MAX_TRIES = 4
 STATUS_BY_ORIGIN = {
     "guess": PredictionStatus.REPAIRED,
@@ -46,14 +47,13 @@ class Start:
 
 
 def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
-    """Return how far a force on few points pushes them in, in the farthest allowed.
+    """Return how many mean edges a force on few points pushes them in.
 
-    Cells under such a force snap through when it pushes them in far, and then other
-    equilibria lie near; the one meant is that which the growing load reaches. Up to 1
-    an answer tells which one that is. On dataset 1, all repairs seen that began at an
-    answer and ended at another equilibrium had a loaded point 1.66 mean edges or more
-    from where it was (docs/error_bars.md); a third of all samples have one more than
-    1.5 away. Zero if the load acts on many points.
+    Cells under such a force snap through when it pushes them in deep, and then other
+    equilibria lie near; the one meant is that which the growing load reaches. Where an
+    answer is not deep it tells which one that is: the repairs seen that began at one
+    and ended at another equilibrium began 1.42 edges deep or more (docs/error_bars.md).
+    Zero if the load acts on many points.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
     rows = zip(graph.row_start[loaded], graph.row_start[loaded + 1], strict=True)
     edges = np.array([float((1 / graph.weight[a:b]).mean()) for a, b in rows])
     way = np.linalg.norm(displacement[loaded], axis=1)
-    return float((way / (FARTHEST_IN * edges)).max(initial=0.0))
+    return float((way / edges).max(initial=0.0))
 
 
 def where_to_begin(
@@ -92,11 +92,11 @@ def where_to_begin(
         if share < 1.0:
             displacement = answer(part)
         deep = depth(body, part, displacement)
-        if deep <= 1.0:
+        if deep <= DEEPEST:
             return Start(displacement, share)
         if not np.isfinite(deep):
             break
-        share *= WITHIN / deep
+        share *= AIM * DEEPEST / deep
     return Start(None, 0.0)
 
 
