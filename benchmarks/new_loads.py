@@ -95,6 +95,7 @@ class Bold:
         self._within = mm / SAFETY
 
     def __call__(self, case: LoadCase, guess: np.ndarray) -> np.ndarray | None:
+        """Return the equilibrium next to a guess, if there is one."""
         found = self._approach.solve(case, guess, tolerance_mm=self._within)
         return found.displacement if found.origin == "guess" else None
 
@@ -200,9 +201,8 @@ def main() -> None:
     )
     table(head, rows(log, options.tolerance_mm))
     misled = [r["depth"] for r in log.records if r["bold"] > options.tolerance_mm]
-    print(
-        f"\nmisled if begun at the answer: {len(misled)}, edges deep:", sorted(misled)
-    )
+    print(f"\nmisled if begun at the answer: {len(misled)}")
+    print("edges deep:", ", ".join(f"{each:.2f}" for each in sorted(misled)))
 
 
 if __name__ == "__main__":
