@@ -18,8 +18,13 @@ from physgnn.dataset import Store, named_split
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.lifted import body_axes
 from physgnn.mechanics.kinematics import deformation_gradient
+from physgnn.prediction.calibration import FLOOR_MM, Calibration
 from physgnn.prediction.indicators import INDICATORS
-from physgnn.prediction.predictor import Predictor
+from physgnn.prediction.predictor import (
+    CALIBRATION_FILE,
+    RELAXATION_FILE,
+    Predictor,
+)
 from tables import machine, table
 
 GROUPS = ((1, 5), (6, 10), (11, 15), (16, 20), (21, 25), (26, 30))
@@ -43,8 +48,9 @@ def measure(predictor: Predictor, store: Store, samples, log: Log, end: float) -
         case = store.load_case(path, level)
         answer = predictor.answer(case)
         start = time.perf_counter()
-        relaxed = predictor.relax(case, answer)
+        estimate = predictor.error(case, answer)
         seconds = time.perf_counter() - start
+        relaxed = predictor.relax(case, answer)
         truth = store.displacement(path)[level]
         record = {"path": path, "level": level + 1, "what": "error"}
         for name, found in cheap.items():
@@ -52,7 +58,7 @@ def measure(predictor: Predictor, store: Store, samples, log: Log, end: float) -
         log.add(
             **record,
             true=lengths(truth - answer),
-            relaxation=lengths(relaxed.error),
+            relaxation=lengths(estimate),
             seconds=seconds,
             inverted=inverted(store, answer),
             inverted_after=inverted(store, relaxed.displacement),
@@ -62,6 +68,27 @@ def measure(predictor: Predictor, store: Store, samples, log: Log, end: float) -
 def inverted(store: Store, displacement: np.ndarray) -> int:
     volumes = np.linalg.det(deformation_gradient(store.mesh, displacement))
     return int((volumes <= 0).sum())
+
+
+def report_bounds(records, calibrations: dict[str, Calibration]) -> None:
+    """Print how often each bound held, and how far above the error it was."""
+    print("\nbounds, of the mean | of the largest\n")
+    head = ("coverage", "held", "up to level 15", "beyond", "median bound / error")
+    rows = []
+    for name, calibration in calibrations.items():
+        promises = (calibration.coverage, *(row[0] for row in calibration.others))
+        for coverage in promises:
+            at = calibration.at(coverage)
+            factors = np.array([at.mean_factor, at.max_factor])
+            sizes = np.array([r[name] for r in records]) + FLOOR_MM
+            true = np.array([r["true"] for r in records])
+            held = 100.0 * (true <= factors * sizes)
+            low = np.array([r["level"] <= 15 for r in records])
+            parts = (held, held[low], held[~low])
+            shares = [both(part.mean(axis=0), "{:.1f} %") for part in parts]
+            over = both(np.median(factors * sizes / true, axis=0), "{:.1f}")
+            rows.append((f"{100 * coverage:.0f} %, {name}", *shares, over))
+    table(head, rows)
 
 
 def ratios(records, name: str) -> np.ndarray:
@@ -148,6 +175,9 @@ def main() -> None:
             predictor.answer = expansion(options.run)
         measure(predictor, store, missing, log, end)
     report(log.of("error"))
+    files = [options.run / name for name in (CALIBRATION_FILE, RELAXATION_FILE)]
+    made = [Calibration.read(file) for file in files if file.is_file()]
+    report_bounds(log.of("error"), {each.indicator: each for each in made})
 
 
 if __name__ == "__main__":
