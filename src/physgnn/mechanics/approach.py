@@ -199,8 +199,12 @@ def _without_inverted_cells(
 def _next_to(
     iteration: QuasiNewton, start: FloatArray, known: FloatArray, share: float
 ) -> Equilibrium | None:
-    """Return the stable equilibrium under a share of the load next to a start."""
-    found = descend(iteration, start, fallback=known, load_factor=share)
+    """Return the equilibrium under a share of the load next to a start.
+
+    The last on the way to the whole load is proven to be stable.
+    """
+    whole = share == 1.0
+    found = descend(iteration, start, fallback=known, load_factor=share, proven=whole)
     far = largest_norm(found.state - start) > FAR * largest_norm(found.state)
     return None if far or found.status != Status.CONVERGED else found
 
@@ -215,7 +219,7 @@ def _follow_from_rest(iteration: QuasiNewton) -> Equilibrium:
 def _follow(iteration: QuasiNewton, state: FloatArray, share: float) -> Equilibrium:
     """Let the load grow from a share; return the last equilibrium if it gets stuck.
 
-    The iteration's factor must be that of the equilibrium it starts from.
+    The iteration's factor must be that of a state near the one it starts from.
     """
     slope = iteration.direction(iteration.residual(state, 1.0)[0]) / (1.0 - share)
     walk = PathFollower(

@@ -21,7 +21,7 @@ class PathFollower:
     Parameters
     ----------
     iteration : QuasiNewton
-        Knows the loads; its factor must be that of the equilibrium at the start.
+        Knows the loads; its factor must be that of a state near the start.
     trend : callable
         From a load factor to the state expected there, (n_unknowns,); at the start it
         must be the equilibrium. What the walk finds is extrapolated as a departure
