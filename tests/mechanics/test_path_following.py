@@ -10,26 +10,33 @@ from physgnn.mechanics.solution import Status
 
 
 class OnlyShortSteps:
-    """An iteration that converges for steps up to a length."""
+    """An iteration that converges for steps up to a length, or goes astray."""
 
-    pattern = SimpleNamespace(n_unknowns=1)
+    pattern = SimpleNamespace(n_unknowns=3)
 
-    def __init__(self, longest: float) -> None:
+    def __init__(self, longest: float, *, else_astray: bool = False) -> None:
         self.longest, self.reached, self.tried = longest, 0.0, []
+        self.else_astray = else_astray
 
     def solve(self, start, load_factor, **_):
         self.tried.append(load_factor)
         if load_factor - self.reached > self.longest:
+            if self.else_astray:
+                return Equilibrium(1.3 * start, Status.CONVERGED, 0.0)
             return Equilibrium(start, Status.INVERTED, np.inf)
         self.reached = load_factor
-        return Equilibrium(np.array([load_factor**2]), Status.CONVERGED, 0.0)
+        return Equilibrium(self.state(load_factor), Status.CONVERGED, 0.0)
+
+    @staticmethod
+    def state(load_factor):
+        return (load_factor + 0.05 * load_factor**2) * np.ones(3)
 
     def refactorize(self, *_):
         return True
 
 
 def walk(iteration, targets, **options):
-    follower = PathFollower(iteration, lambda factor: factor * np.ones(1), **options)
+    follower = PathFollower(iteration, lambda factor: factor * np.ones(3), **options)
     return [follower.advance(target) for target in targets], follower
 
 
@@ -60,3 +67,17 @@ def test_a_walk_that_cannot_go_on_ends_with_the_reason_and_keeps_its_place():
     assert found.status == Status.INVERTED
     assert follower.reached == 0.0
     assert min(iteration.tried) >= 1e-3
+
+
+def test_another_equilibrium_than_the_one_the_path_points_at_is_not_taken():
+    iteration = OnlyShortSteps(0.06, else_astray=True)
+    found, follower = walk(iteration, [0.5, 1.0], min_step=1e-3)
+    assert all(f.status == Status.CONVERGED for f in found)
+    np.testing.assert_allclose(follower.state, iteration.state(1.0))
+
+
+def test_where_only_another_equilibrium_is_found_the_path_has_ended():
+    iteration = OnlyShortSteps(1e-4, else_astray=True)
+    (found,), follower = walk(iteration, [1.0], min_step=1e-3)
+    assert found.status == Status.LIMIT_POINT
+    assert follower.reached == 0.0

@@ -31,7 +31,6 @@ from physgnn.mechanics.relaxation import (
 )
 from physgnn.mechanics.rest_state import fixed_points
 from physgnn.mechanics.solution import Status
-from physgnn.mechanics.solver import advance_or_fall
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -230,7 +229,7 @@ def _follow(iteration: QuasiNewton, state: FloatArray, share: float) -> Equilibr
     )
     n_steps = int(np.ceil(STEPS * (1.0 - share)))
     for target in np.linspace(share, 1.0, n_steps + 1)[1:].tolist():
-        found, _ = advance_or_fall(walk, target)
+        found, _ = walk.advance_or_fall(target)
         if found.status != Status.CONVERGED:
             return Equilibrium(walk.state, found.status, found.residual_norm)
     rest = np.zeros_like(state)

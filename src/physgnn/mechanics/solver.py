@@ -16,7 +16,7 @@ from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.path_following import PathFollower
-from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton, largest_norm
+from physgnn.mechanics.quasi_newton import QuasiNewton
 from physgnn.mechanics.rest_state import fixed_points
 from physgnn.mechanics.solution import Solution, Status
 
@@ -61,8 +61,6 @@ class SolverOptions:
 
 
 DEFAULT_OPTIONS = SolverOptions()
-# Farther, in largest displacements so far, cells were blown out, not snapped through.
-FARTHEST_FALL = 1.0
 SMALL_FACTOR = 2.0**-20  # a power of two: dividing by it loses nothing
 
 
@@ -151,7 +149,7 @@ def _follow(iteration: QuasiNewton, path: LoadPath, min_step: float) -> Solution
     slope = _slope_at_rest(iteration)
     walk = PathFollower(iteration, lambda factor: factor * slope, min_step=min_step)
     for level, target in enumerate(path.load_factors.tolist()):
-        found, remark = advance_or_fall(walk, target)
+        found, remark = walk.advance_or_fall(target)
         if remark:
             remarks.append(remark)
         status[level] = found.status
@@ -181,20 +179,6 @@ def _slope_at_rest(iteration: QuasiNewton) -> FloatArray:
             "singular; fix at least three points that are not in line"
         )
     return iteration.direction(iteration.residual(rest, SMALL_FACTOR)[0] / SMALL_FACTOR)
-
-
-def advance_or_fall(walk: PathFollower, target: float) -> tuple[Equilibrium, str]:
-    """Go to a load factor, along the path or beside it, and say if it wasn't along."""
-    stuck = walk.advance(target)
-    if stuck.status == Status.CONVERGED:
-        return stuck, ""
-    reached, before = walk.reached, walk.state
-    found = walk.fall(target)
-    way = largest_norm(found.state - before)
-    if found.status == Status.CONVERGED and way < FARTHEST_FALL * largest_norm(before):
-        return found, f"snapped through at load factor {reached:.4f} by {way:.2g} mm"
-    where = f" (cell {stuck.inverted})" if stuck.inverted >= 0 else ""
-    return stuck, f"stopped at load factor {reached:.4f}: {stuck.status.remedy}{where}"
 
 
 def solve(
