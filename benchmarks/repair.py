@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import torch
 
 from held_out import Log, Sample, lengths, spread
 from physgnn.dataset import Store, named_split
@@ -37,7 +38,9 @@ class Starts:
         self._before = np.zeros((body.mesh.n_points, 3))
         self.predict: dict[str, Predict] = {
             "network": Predictor.load(run),
-            "cold solve": FiniteElementPredictor(body),
+            "cold solve": FiniteElementPredictor(
+                body, threads=torch.get_num_threads()
+            ),
             "linear solution": Predictor(body, linear, known=known),
             "zero": Predictor(body, self._zero, known=known),
             "frame before": Predictor(body, lambda _: self._before, known=known),

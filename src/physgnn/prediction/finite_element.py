@@ -19,11 +19,17 @@ class FiniteElementPredictor:
     ----------
     body : Body
         Mesh, materials and fixed points.
+    threads : int
+        Of the linear solver.
     """
 
-    def __init__(self, body: Body) -> None:
+    def __init__(self, body: Body, *, threads: int = 1) -> None:
         self._approach = Approach(
-            body.mesh, body.materials, body.fixed, element=body.element
+            body.mesh,
+            body.materials,
+            body.fixed,
+            element=body.element,
+            threads=threads,
         )
 
     def __call__(
