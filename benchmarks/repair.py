@@ -38,9 +38,7 @@ class Starts:
         self._before = np.zeros((body.mesh.n_points, 3))
         self.predict: dict[str, Predict] = {
             "network": Predictor.load(run),
-            "cold solve": FiniteElementPredictor(
-                body, threads=torch.get_num_threads()
-            ),
+            "cold solve": FiniteElementPredictor(body, threads=torch.get_num_threads()),
             "linear solution": Predictor(body, linear, known=known),
             "zero": Predictor(body, self._zero, known=known),
             "frame before": Predictor(body, lambda _: self._before, known=known),
