@@ -1,13 +1,17 @@
-"""Certified answers to load paths drawn anew, which no rule was chosen on.
+"""Certified answers to load paths that training has not seen, most of them drawn anew.
 
     python benchmarks/new_loads.py runs/lifted loads.zarr --log new-loads.jsonl
     python benchmarks/new_loads.py runs/lifted loads.zarr --elsewhere 100 …
+    python benchmarks/new_loads.py runs/lifted loads.zarr --loads cone …
+    python benchmarks/new_loads.py runs/lifted loads.zarr --loads validation …
 
 Each path pushes one point, one of those the store's paths load or of as many others
-near them, in directions of the kind that dataset 1 has. True is where the load leads
-when it grows in 120 steps. Beside it stand the same in 30 steps, as `physgnn simulate`
-goes, and where a repair leads that begins at the answer however deep the load pushes.
-What the log has is not measured again. Prints Markdown.
+near them, in directions of the kind that dataset 1 has or within a cone about the
+inward normal; `validation` are the paths that the run was validated on, from which
+limits may be chosen. True is where the load leads when it grows in 120 steps. Beside
+it stand the same in 30 steps, as `physgnn simulate` goes, and where a repair leads that
+begins at the answer however deep the load pushes. What the log has is not measured
+again. Prints Markdown.
 """
 
 import argparse
@@ -18,13 +22,14 @@ from pathlib import Path
 import numpy as np
 
 from held_out import Log, lengths
-from physgnn.dataset import Store
+from physgnn.dataset import Store, named_split
 from physgnn.geometry.boundary import boundary_surface
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.interface import Body, Model
 from physgnn.mechanics import LoadCase, LoadPath, Solver, SolverOptions, Status
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.load_paths import (
+    cone_paths,
     equal_levels,
     inward_normals,
     uniform_directions,
@@ -55,7 +60,7 @@ def points_beside(body: Body, loaded: np.ndarray, how_many: int) -> np.ndarray:
     return others[np.argsort(distance)[:how_many]]
 
 
-def drawn_paths(body: Body, nodes: np.ndarray, options) -> list[LoadPath]:
+def oblique_paths(body: Body, nodes: np.ndarray, options) -> list[LoadPath]:
     """Return paths as those of dataset 1: oblique, with the inward normal's signs."""
     random = np.random.RandomState(options.seed)
     drawn = uniform_directions(random, 20 * options.paths)
@@ -69,6 +74,31 @@ def drawn_paths(body: Body, nodes: np.ndarray, options) -> list[LoadPath]:
         LoadPath(node[None], options.force_n * direction[None], factors)
         for node, direction in zip(chosen, directions, strict=True)
     ]
+
+
+def directions_within_a_cone(body: Body, nodes: np.ndarray, options) -> list[LoadPath]:
+    """Return paths whose directions are up to 60 degrees from the inward normal."""
+    return cone_paths(
+        body.mesh,
+        nodes,
+        total_force_n=options.force_n,
+        n_levels=options.levels,
+        n_paths=options.paths,
+        cone_deg=60.0,
+        nodes_per_path=1,
+        seed=options.seed,
+    )
+
+
+DRAWN = {"oblique": oblique_paths, "cone": directions_within_a_cone}
+
+
+def validated_on(store: Store, split: str, options) -> list[LoadPath]:
+    """Return the validation paths of a split, at other levels."""
+    numbers = np.unique(named_split(split, store).validation[:, 0])
+    paths = (store.load_path(int(i)) for i in numbers[: options.paths])
+    factors = equal_levels(options.levels)
+    return [LoadPath(path.nodes, path.forces, factors) for path in paths]
 
 
 def truths(solver: Solver, path: LoadPath, n_levels: int) -> list[np.ndarray | None]:
@@ -165,11 +195,22 @@ def rows(log: Log, mm: float) -> Iterator[tuple[str, ...]]:
         )
 
 
+def asked(body: Body, store: Store, options) -> list[LoadPath]:
+    if options.loads == "validation":
+        return validated_on(store, options.split, options)
+    nodes = loaded_points(store)
+    if options.elsewhere:
+        nodes = points_beside(body, nodes, options.elsewhere)
+    return DRAWN[options.loads](body, nodes, options)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("run", type=Path)
     parser.add_argument("store", type=Path)
     parser.add_argument("--log", type=Path, default=Path("new-loads.jsonl"))
+    parser.add_argument("--loads", default="oblique", choices=[*DRAWN, "validation"])
+    parser.add_argument("--split", default="path", help="of the validation paths")
     parser.add_argument("--paths", type=int, default=40)
     parser.add_argument("--levels", type=int, default=6)
     parser.add_argument("--elsewhere", type=int, default=0, metavar="POINTS")
@@ -180,10 +221,7 @@ def main() -> None:
     print(machine())
     predictor, log = Predictor.load(options.run), Log(options.log)
     bold = Bold(Checkpoint.load(options.run).model, options.tolerance_mm)
-    nodes = loaded_points(Store.open(options.store))
-    if options.elsewhere:
-        nodes = points_beside(predictor.body, nodes, options.elsewhere)
-    paths = drawn_paths(predictor.body, nodes, options)
+    paths = asked(predictor.body, Store.open(options.store), options)
     for number, path in enumerate(paths):
         measure(predictor, bold, path, number, log, options.tolerance_mm)
     head = (

@@ -10,7 +10,7 @@ import pytest
 
 from physgnn.dataset import PRESETS
 from physgnn.progress import Progress
-from physgnn.stages import demo
+from physgnn.stages import bundling, demo
 
 
 @contextmanager
@@ -22,14 +22,34 @@ def times(folder: Path) -> dict[Path, int]:
     return {f: f.stat().st_mtime_ns for f in folder.rglob("*") if f.is_file()}
 
 
-@pytest.mark.slow
-def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def few_loads(monkeypatch: pytest.MonkeyPatch) -> None:
     preset = PRESETS["demo"]
     few = replace(preset, paths=partial(preset.paths, n_paths=10, n_levels=2))
     monkeypatch.setitem(PRESETS, "demo", few)  # type: ignore[arg-type]
+    monkeypatch.setattr("os.cpu_count", lambda: 1)  # no processes to start
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few_loads")
+def test_the_bundled_models_card_compares_it_with_peers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    small = replace(bundling.BUNDLED, target_points=2800, training_minutes=0.05)
+    monkeypatch.setattr(bundling, "BUNDLED", replace(small, baselines="pod_network"))
+    out = tmp_path / "bundled"
+    bundling.bundle(tmp_path / "work", out, show=silent, log=print)
+    card = (out / "model_card.md").read_text("utf-8")
+    for row in ("POD + small network", "PhysGNN", "Lifted network", "Certified"):
+        assert f"| {row}" in card
+    assert str(tmp_path) not in card
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few_loads")
+def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     small = replace(demo.DEMO, target_points=2800, training_minutes=0.05)
     monkeypatch.setattr(demo, "DEMO", small)
-    monkeypatch.setattr("os.cpu_count", lambda: 1)  # no processes to start
 
     said: list[str] = []
     summary = demo.run_demo(tmp_path / "demo", show=silent, log=said.append)

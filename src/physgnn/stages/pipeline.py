@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from physgnn import stages
 from physgnn.dataset import Preset
@@ -27,6 +27,11 @@ Log = Callable[[str], None]
 """Told what is there already."""
 
 SPLIT = "path"
+MODEL = "lifted"
+SETTINGS: dict[str, Any] = {
+    "schedule": "cosine",
+    "early_stopping": 1000,  # the last, slow steps of a cosine are its best
+}
 REPORT = "report.html"
 
 
@@ -44,6 +49,12 @@ class Recipe:
         What to simulate.
     training_minutes : float
         How long to train.
+    peers : tuple of str
+        Models to train as long and compare with, at their published settings.
+    baselines : str
+        What else to compare with: ``quick``, ``all``, or names with commas.
+    tolerance_mm : float, optional
+        Compare also with answers that are made to keep this.
     """
 
     command: str
@@ -51,6 +62,9 @@ class Recipe:
     target_points: int
     preset: str | Preset
     training_minutes: float
+    peers: tuple[str, ...] = ()
+    baselines: str = "quick"
+    tolerance_mm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -60,7 +74,7 @@ class Pipeline:
     Attributes
     ----------
     folder : Path
-        Gets case.vtu, loads.zarr, run/ and report.html.
+        Gets case.vtu, loads.zarr, run/, the peers' runs and report.html.
     recipe : Recipe
         What to do.
     show : callable
@@ -79,7 +93,9 @@ class Pipeline:
         self.folder.mkdir(parents=True, exist_ok=True)
         self._mesh()
         self._simulate()
-        self._train()
+        for model in self.recipe.peers:
+            self._train(model, self.folder / model)
+        self._train(MODEL, self.trained, **SETTINGS)
         return self._evaluate()
 
     @property
@@ -134,19 +150,15 @@ class Pipeline:
         if did.solved == 0:
             self.log(f"{self.store}: there already")
 
-    def _train(self) -> None:
+    def _train(self, model: str, run: Path, **settings: Any) -> None:
         from physgnn.learning.training_config import TrainingConfig
 
-        if self.is_there(self.trained):
+        if self.is_there(run):
             return
-        unfinished = self.folder / "run-unfinished"
-        config = TrainingConfig(
-            model="lifted",
-            schedule="cosine",
-            max_minutes=self.recipe.training_minutes,
-            early_stopping=1000,  # the last, slow steps of a cosine are its best
-        )
-        with self.show("training") as progress:
+        unfinished = run.with_name(f"{run.name}-unfinished")
+        minutes = self.recipe.training_minutes
+        config = TrainingConfig(model=model, max_minutes=minutes, **settings)
+        with self.show(f"training {model}") as progress:
             stages.train(
                 self.store,
                 SPLIT,
@@ -155,21 +167,26 @@ class Pipeline:
                 progress=progress,
                 resume=(unfinished / "last.ckpt").exists(),
             )
-        unfinished.rename(self.trained)
+        unfinished.rename(run)
 
     def _evaluate(self) -> "Report":
+        from physgnn.evaluation.baselines import named_baselines
         from physgnn.evaluation.result import Report
-        from physgnn.evaluation.run import evaluate_run
+        from physgnn.evaluation.run import Comparison, evaluate_runs
 
         made = self.trained / f"evaluation-{SPLIT}"
         if self.is_there(self.report):
             return Report.read(made / "metrics.json")
+        recipe = self.recipe
+        beside = Comparison(named_baselines(recipe.baselines), recipe.tolerance_mm)
+        runs = [*(self.folder / model for model in recipe.peers), self.trained]
         with self.show("evaluating") as progress:
-            errors = evaluate_run(
-                self.trained,
+            errors = evaluate_runs(
+                runs,
                 self.store,
                 SPLIT,
-                command=self.recipe.command,
+                comparison=beside,
+                command=recipe.command,
                 progress=progress,
             )
         part = self.report.with_name(f"{REPORT}.part")
