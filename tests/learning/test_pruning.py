@@ -154,3 +154,14 @@ def test_a_load_that_just_reaches_everything(graph: Graph, network: PhysGNN) -> 
     x = loaded_features(small, batch=8, nodes=[0])
     torch.testing.assert_close(network(x, small), whole(network, x, small))
     network(x, small).sum().backward()
+
+
+def test_a_prediction_stays_as_it_is_when_the_next_uses_its_memory(
+    graph: Graph, network: PhysGNN
+) -> None:
+    loads = [loaded_features(graph, batch=1, nodes=nodes) for nodes in ([0], [5, 9])]
+    alone = [whole(network, x, graph) for x in loads]
+    with torch.inference_mode():
+        found = [network(x, graph) for x in loads * 3]
+    for x, expected in zip(found, alone * 3, strict=True):
+        torch.testing.assert_close(x, expected.detach(), rtol=0, atol=1e-6)

@@ -9,6 +9,7 @@ from torch.autograd.function import once_differentiable
 from physgnn.learning.graph import Edges, Graph, Neighbours
 from physgnn.learning.neighbour_kernels import largest, largest_back, total
 from physgnn.learning.threads import shares, side_by_side
+from physgnn.learning.workspace import empty
 
 
 def aggregate(graph: Graph, x: Tensor, *, weighted: bool, aggregation: str) -> Tensor:
@@ -32,8 +33,8 @@ def aggregate(graph: Graph, x: Tensor, *, weighted: bool, aggregation: str) -> T
     neighbours = graph.weighted if weighted else graph.plain
     if x.device.type != "cpu":
         return scattered(neighbours, x, aggregation)
-    combine = AGGREGATIONS[aggregation].apply
-    combined: Tensor = combine(neighbours, x.contiguous())  # type: ignore[no-untyped-call]
+    combine, back = AGGREGATIONS[aggregation].apply, torch.is_grad_enabled()
+    combined: Tensor = combine(neighbours, x.contiguous(), back)  # type: ignore[no-untyped-call]
     return combined
 
 
@@ -41,19 +42,19 @@ class _Sum(torch.autograd.Function):
     """A sparse matrix times x; the way back is a product with its transpose."""
 
     @staticmethod
-    def forward(ctx: Any, neighbours: Neighbours, x: Tensor) -> Tensor:
+    def forward(ctx: Any, neighbours: Neighbours, x: Tensor, _: bool) -> Tensor:
         ctx.neighbours, ctx.n_columns = neighbours, x.shape[1]
         return _total(neighbours.edges, x.detach(), neighbours.graph.n_points)
 
     @staticmethod
     @once_differentiable
-    def backward(ctx: Any, grad: Tensor) -> tuple[None, Tensor]:
+    def backward(ctx: Any, grad: Tensor) -> tuple[None, Tensor, None]:
         edges_back = ctx.neighbours.edges_back
-        return None, _total(edges_back, grad.contiguous(), ctx.n_columns)
+        return None, _total(edges_back, grad.contiguous(), ctx.n_columns), None
 
 
 def _total(edges: Edges, x: Tensor, n_rows: int) -> Tensor:
-    y = x.new_empty(len(x), n_rows, x.shape[2])
+    y = empty(x, len(x), n_rows, x.shape[2])
     values, sums = x.numpy(), y.numpy()
     side_by_side(lambda rows: total(edges, values, sums, rows), shares(n_rows))
     return y
@@ -63,10 +64,11 @@ class _Maximum(torch.autograd.Function):
     """The largest value; its gradient is all for the neighbour it came from."""
 
     @staticmethod
-    def forward(ctx: Any, neighbours: Neighbours, x: Tensor) -> Tensor:
-        y = x.new_empty(len(x), neighbours.graph.n_points, x.shape[2])
-        which = torch.empty_like(y, dtype=torch.int32)
-        values, maximum, edge = (t.detach().numpy() for t in (x, y, which))
+    def forward(ctx: Any, neighbours: Neighbours, x: Tensor, back: bool) -> Tensor:
+        y = empty(x, len(x), neighbours.graph.n_points, x.shape[2])
+        which = torch.empty_like(y, dtype=torch.int32) if back else None
+        values, maximum = x.detach().numpy(), y.numpy()
+        edge = None if which is None else which.numpy()
         side_by_side(
             lambda rows: largest(neighbours.edges, values, maximum, edge, rows),
             shares(y.shape[1]),
@@ -77,7 +79,7 @@ class _Maximum(torch.autograd.Function):
 
     @staticmethod
     @once_differentiable
-    def backward(ctx: Any, grad: Tensor) -> tuple[None, Tensor]:
+    def backward(ctx: Any, grad: Tensor) -> tuple[None, Tensor, None]:
         (which,) = ctx.saved_tensors
         of_x = grad.new_zeros(len(grad), ctx.n_columns, grad.shape[2])
         edges = ctx.neighbours.edges
@@ -86,7 +88,7 @@ class _Maximum(torch.autograd.Function):
             lambda columns: largest_back(edges, of_y, edge, to, columns),
             shares(grad.shape[2]),
         )
-        return None, of_x
+        return None, of_x, None
 
 
 def scattered(neighbours: Neighbours, x: Tensor, aggregation: str) -> Tensor:

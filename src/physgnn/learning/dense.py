@@ -9,9 +9,9 @@ from typing import Any
 import torch
 from torch import Tensor
 from torch.autograd.function import once_differentiable
-from torch.nn.functional import prelu
 
 from physgnn.learning.threads import shares, side_by_side
+from physgnn.learning.workspace import empty, scratch_for
 
 
 def dense(
@@ -32,16 +32,17 @@ def dense(
     -------
     (batch, n, width) tensor
     """
-    y: Tensor = _Dense.apply(bias, slope, *inputs, *matrices)  # type: ignore[no-untyped-call]
+    keep = torch.is_grad_enabled()
+    y: Tensor = _Dense.apply(keep, bias, slope, *inputs, *matrices)  # type: ignore[no-untyped-call]
     return y
 
 
 class _Dense(torch.autograd.Function):
     @staticmethod
-    def forward(ctx: Any, *tensors: Tensor) -> Tensor:
+    def forward(ctx: Any, keep: bool, *tensors: Tensor) -> Tensor:
         bias, slope, xs, matrices = _parts(tensors)
-        z = bias.new_empty(*xs[0].shape[:2], len(bias))
-        y = torch.empty_like(z)
+        z = empty(bias, *xs[0].shape[:2], len(bias))
+        y = torch.empty_like(z) if keep else z
 
         def part(rows: slice) -> None:
             for sample in range(len(z)):
@@ -49,15 +50,18 @@ class _Dense(torch.autograd.Function):
                 torch.addmm(bias, xs[0][sample, rows], matrices[0].t(), out=total)
                 for x, matrix in zip(xs[1:], matrices[1:], strict=True):
                     total.addmm_(x[sample, rows], matrix.t())
-                y[sample, rows] = prelu(total, slope)
+                below = scratch_for("below zero", total, *total.shape)
+                torch.clamp(total, max=0, out=below)
+                torch.clamp(total, min=0, out=y[sample, rows]).addcmul_(below, slope)
 
         side_by_side(part, shares(z.shape[1], z.device))
-        ctx.save_for_backward(z, *tensors)
+        if keep:
+            ctx.save_for_backward(z, *tensors)
         return y
 
     @staticmethod
     @once_differentiable
-    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, ...]:
+    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor | None, ...]:
         z, *tensors = ctx.saved_tensors
         bias, slope, xs, matrices = _parts(tensors)
         of_xs = [torch.empty_like(x) for x in xs]
@@ -77,7 +81,7 @@ class _Dense(torch.autograd.Function):
 
         parts = side_by_side(part, shares(z.shape[1], z.device))
         of_bias, of_slope, *of_matrices = (sum(w) for w in zip(*parts, strict=True))
-        return of_bias, of_slope, *of_xs, *of_matrices
+        return None, of_bias, of_slope, *of_xs, *of_matrices
 
 
 def _parts(

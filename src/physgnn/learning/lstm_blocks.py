@@ -8,8 +8,10 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
+from physgnn.learning.workspace import ALIGNMENT
+
 ROWS_A_BLOCK = 512
-ALIGNMENT = 64  # bytes: a cache line
+FEWEST_ROWS = 128  # smaller blocks take longer a row
 
 
 class Block(NamedTuple):
@@ -120,7 +122,7 @@ def blocks_of(
     """
     parts: list[list[Block]] = [[] for _ in range(n_parts)]
     work, end = [0] * n_parts, 0  # bytes tell the work as well
-    for rows, first, end_of_own in _pieces(counts):
+    for rows, first, end_of_own in _pieces(counts, n_parts):
         least = work.index(min(work))
         for sample in range(batch):
             block = Block(sample, rows, first, end_of_own, len(counts), end)
@@ -130,11 +132,16 @@ def blocks_of(
     return [part for part in parts if part], end
 
 
-def _pieces(counts: Sequence[int]) -> Iterator[tuple[slice, int, int]]:
-    """Yield points that have the same steps to themselves, and these steps."""
+def _pieces(counts: Sequence[int], n_parts: int) -> Iterator[tuple[slice, int, int]]:
+    """Yield points that have the same steps to themselves, and these steps.
+
+    If they're enough, as many for every part: all threads will have the same to do.
+    """
     for start, stop in pairwise(sorted({0, *counts})):
         own = [k for k, n_own in enumerate(counts) if n_own > start]
         n = -(-(stop - start) // ROWS_A_BLOCK)
+        even = -(-n // n_parts) * n_parts
+        n = even if stop - start >= even * FEWEST_ROWS else n
         cuts = (start + (stop - start) * k // n for k in range(n + 1))
         for pair in pairwise(cuts):
             yield slice(*pair), own[0], own[-1] + 1

@@ -202,26 +202,27 @@ def rounded(value: Any, where: Any) -> Any:
 @overload(sigmoid, inline="always")
 def _sigmoid(z):  # type: ignore[no-untyped-def]
     if z == types.float32:
-        return lambda z: np.float32(1) / (np.float32(1) + _exp(-z))
+        return lambda z: np.float32(1) / (np.float32(1) + _power(-z))
     return lambda z: 1 / (1 + np.exp(-z))
 
 
 @njit(inline="always")
-def _exp(x: Any) -> Any:
-    """Return exp in float32: 2ⁿ times a polynomial (Cephes expf); vectorisable."""
-    x = min(max(x, np.float32(-87)), np.float32(87))
-    n = np.floor(x * np.float32(1.44269504) + np.float32(0.5))
-    r = x - n * np.float32(0.693359375) + n * np.float32(2.12194440e-4)
-    p = np.float32(1.9875691500e-4)
-    p = p * r + np.float32(1.3981999507e-3)
-    p = p * r + np.float32(8.3334519073e-3)
-    p = p * r + np.float32(4.1665795894e-2)
-    p = p * r + np.float32(1.6666665459e-1)
-    p = p * r + np.float32(5.0000001201e-1)
-    p = p * r * r + r + np.float32(1)
-    return p * np.int32((np.int32(n) + np.int32(127)) * np.int32(1 << 23)).view(
-        np.float32
-    )
+def _power(x: Any) -> Any:
+    """Return exp in float32: a power of two times a polynomial; vectorisable.
+
+    2ʳ = 1 + r·q(r) on |r| ≤ ½ to 9.1e-8, q fitted by reweighted least squares. What
+    x·log₂e loses where x is large, a sigmoid doesn't feel.
+    """
+    x = min(max(x * np.float32(1.44269504), np.float32(-126)), np.float32(126))
+    n = np.floor(x + np.float32(0.5))
+    r = x - n
+    q = np.float32(1.326472721e-3)
+    q = q * r + np.float32(9.671512813e-3)
+    q = q * r + np.float32(5.550733745e-2)
+    q = q * r + np.float32(2.402224208e-1)
+    q = q * r + np.float32(6.931469776e-1)
+    p = np.float32(q * r + np.float32(1)).view(np.int32)
+    return np.int32(p + (np.int32(n) << np.int32(23))).view(np.float32)
 
 
 @overload(floats, inline="always")

@@ -14,6 +14,7 @@ from torch import Tensor
 from physgnn.learning.lstm_blocks import Block, States
 from physgnn.learning.lstm_data import Given, Weights
 from physgnn.learning.lstm_kernels import Gradients, State, step, step_back
+from physgnn.learning.workspace import scratch_for
 
 
 class Found(NamedTuple):
@@ -132,8 +133,9 @@ def _add_product(
 
 
 def _start(block: Block, given: Given, weights: Weights) -> Tensor:
-    """Return room for inputs and hidden states, with those at the start."""
-    inputs = weights.matrix.new_empty(len(block), weights.matrix.shape[1])
+    """Return this thread's room for inputs and hidden states, with the first ones."""
+    matrix = weights.matrix
+    inputs = scratch_for("inputs", matrix, len(block), matrix.shape[1])
     if given.start:
         inputs[:, weights.width :] = given.start[0]
     return inputs

@@ -40,17 +40,20 @@ def largest(edges, x, y, which, rows):  # type: ignore[no-untyped-def]
     ----------
     edges, x, rows
         As in `total`.
-    y, which : (batch, n_points, width) arrays
-        Out: the largest values, or 0 without neighbours, and the edges (int32) they
-        came along; of several, the first.
+    y : (batch, n_points, width) array
+        Out: the largest values, or 0 without neighbours.
+    which : (batch, n_points, width) array or None
+        Out, if wanted: the edges (int32) they came along; of several, the first.
     """
     row_start, column, weight = edges
     width = x.shape[2]
     for sample in range(len(x)):
         for row in range(rows.start, rows.stop):
-            best, edge = y[sample, row], which[sample, row]
+            best = y[sample, row]
             best[:] = 0
-            edge[:] = -1
+            if which is not None:  # known when it's compiled
+                edge = which[sample, row]
+                edge[:] = -1
             for e in range(row_start[row], row_start[row + 1]):
                 values, w = x[sample, column[e]], weight[e]
                 first = e == row_start[row]
@@ -58,7 +61,8 @@ def largest(edges, x, y, which, rows):  # type: ignore[no-untyped-def]
                     value = w * values[j]
                     larger = first or value > best[j]
                     best[j] = value if larger else best[j]
-                    edge[j] = np.int32(e) if larger else edge[j]
+                    if which is not None:
+                        edge[j] = np.int32(e) if larger else edge[j]
 
 
 @compiled
