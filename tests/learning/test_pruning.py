@@ -164,4 +164,4 @@ def test_a_prediction_stays_as_it_is_when_the_next_uses_its_memory(
     with torch.inference_mode():
         found = [network(x, graph) for x in loads * 3]
     for x, expected in zip(found, alone * 3, strict=True):
-        torch.testing.assert_close(x, expected.detach(), rtol=0, atol=1e-6)
+        torch.testing.assert_close(x, expected.detach(), rtol=1e-5, atol=1e-6)

@@ -6,14 +6,7 @@ import torch
 from physgnn.learning.lstm import Way
 from physgnn.learning.lstm_data import Weights
 from physgnn.learning.lstm_shared import lstm_scores
-from physgnn.learning.workspace import (
-    empty,
-    give_back,
-    reused_memory,
-    room_used_again,
-    scratch,
-    take,
-)
+from physgnn.learning.workspace import give_back, reused_memory, scratch, take
 
 
 def test_what_was_given_back_is_used_again() -> None:
@@ -65,29 +58,3 @@ def test_a_thread_works_in_one_buffer_that_grows() -> None:
 
 def test_uses_of_scratch_have_buffers_of_their_own() -> None:
     assert scratch(10, "inputs").data_ptr() != scratch(10, "states").data_ptr()
-
-
-def test_a_room_is_as_large_as_was_asked_for_and_then_used_again() -> None:
-    like = torch.zeros(1)
-
-    def ask() -> list[torch.Tensor]:
-        with room_used_again():
-            return [empty(like, 3, 5), empty(like, 7)]
-
-    with ThreadPoolExecutor(1) as pool:  # a thread that has no room yet
-        first, second, third = (pool.submit(ask).result() for _ in range(3))
-    assert [t.shape for t in second] == [(3, 5), (7,)]
-    assert first[0].data_ptr() != second[0].data_ptr()
-    for before, after in zip(second, third, strict=True):
-        assert before.data_ptr() == after.data_ptr()
-    a, b = third
-    a.fill_(1)
-    b.fill_(2)
-    assert bool((a == 1).all())  # they don't overlap
-
-
-def test_outside_of_a_room_memory_is_new() -> None:
-    like = torch.zeros(2, dtype=torch.float64)
-    kept, other = empty(like, 3), empty(like, 3)
-    assert kept.dtype == like.dtype
-    assert kept.data_ptr() != other.data_ptr()

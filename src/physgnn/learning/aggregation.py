@@ -9,7 +9,6 @@ from torch.autograd.function import once_differentiable
 from physgnn.learning.graph import Edges, Graph, Neighbours
 from physgnn.learning.neighbour_kernels import largest, largest_back, total
 from physgnn.learning.threads import shares, side_by_side
-from physgnn.learning.workspace import empty
 
 
 def aggregate(graph: Graph, x: Tensor, *, weighted: bool, aggregation: str) -> Tensor:
@@ -54,7 +53,7 @@ class _Sum(torch.autograd.Function):
 
 
 def _total(edges: Edges, x: Tensor, n_rows: int) -> Tensor:
-    y = empty(x, len(x), n_rows, x.shape[2])
+    y = x.new_empty(len(x), n_rows, x.shape[2])
     values, sums = x.numpy(), y.numpy()
     side_by_side(lambda rows: total(edges, values, sums, rows), shares(n_rows))
     return y
@@ -65,7 +64,7 @@ class _Maximum(torch.autograd.Function):
 
     @staticmethod
     def forward(ctx: Any, neighbours: Neighbours, x: Tensor, back: bool) -> Tensor:
-        y = empty(x, len(x), neighbours.graph.n_points, x.shape[2])
+        y = x.new_empty(len(x), neighbours.graph.n_points, x.shape[2])
         which = torch.empty_like(y, dtype=torch.int32) if back else None
         values, maximum = x.detach().numpy(), y.numpy()
         edge = None if which is None else which.numpy()

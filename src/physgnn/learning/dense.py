@@ -11,7 +11,7 @@ from torch import Tensor
 from torch.autograd.function import once_differentiable
 
 from physgnn.learning.threads import shares, side_by_side
-from physgnn.learning.workspace import empty, scratch_for
+from physgnn.learning.workspace import scratch_for
 
 
 def dense(
@@ -41,7 +41,7 @@ class _Dense(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, keep: bool, *tensors: Tensor) -> Tensor:
         bias, slope, xs, matrices = _parts(tensors)
-        z = empty(bias, *xs[0].shape[:2], len(bias))
+        z = bias.new_empty(*xs[0].shape[:2], len(bias))
         y = torch.empty_like(z) if keep else z
 
         def part(rows: slice) -> None:

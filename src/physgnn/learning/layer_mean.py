@@ -8,7 +8,6 @@ from torch import Tensor
 from torch.autograd.function import once_differentiable
 
 from physgnn.learning.threads import shares, side_by_side
-from physgnn.learning.workspace import empty
 
 
 def layer_mean(weight: Tensor, layers: Sequence[Tensor]) -> Tensor:
@@ -33,7 +32,7 @@ class _LayerMean(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, *tensors: Tensor) -> Tensor:
         weight, *layers = (tensor.detach() for tensor in tensors)
-        mean = empty(layers[0], *layers[0].shape)
+        mean = torch.empty_like(layers[0])
 
         def part(rows: slice) -> None:
             here = mean[:, rows]

@@ -9,7 +9,6 @@ reaches. The result, and its gradient, are those of the whole computation.
 
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import nullcontext
 from functools import cache
 from typing import NamedTuple, Protocol
 
@@ -19,7 +18,6 @@ from torch.nn import Parameter
 
 from physgnn.learning.graph import Graph
 from physgnn.learning.reach import Reach
-from physgnn.learning.workspace import empty, room_used_again
 
 Rest = Callable[[int, int, int], Tensor]
 """From an output's place in the list of them, a number of rows and another, to the
@@ -33,11 +31,7 @@ def filled(rows: Tensor, rest: Tensor) -> Tensor:
     """Append to each sample's rows those that are the same for all."""
     if not len(rest):
         return rows
-    others = rest.expand(len(rows), -1, -1)
-    if torch.is_grad_enabled():
-        return torch.cat([rows, others], dim=1)
-    whole = empty(rows, len(rows), rows.shape[1] + len(rest), rows.shape[2])
-    return torch.cat([rows, others], dim=1, out=whole)
+    return torch.cat([rows, rest.expand(len(rows), -1, -1)], dim=1)
 
 
 class Layered(Protocol):
@@ -134,10 +128,9 @@ class Pruning:
             return None
         find = self._on_far_points if training else self._on_all_points
         rest = find(network, background, graph, reach)
-        with nullcontext() if training else room_used_again():
-            last = network.outputs(x[:, reach.order], reach.near, rest)[-1]
-            far = rest(-1, last.shape[1], graph.n_points)
-            return filled(last, far)[:, reach.place]
+        last = network.outputs(x[:, reach.order], reach.near, rest)[-1]
+        far = rest(-1, last.shape[1], graph.n_points)
+        return filled(last, far)[:, reach.place]
 
     def _reach(self, graph: Graph, loaded: Tensor) -> Reach:
         key = loaded.cpu().numpy().tobytes()
