@@ -83,7 +83,8 @@ def ablate(
     budget : Ablation
         The same for every network.
     folder : path
-        Gets a run folder a network, ablation.json and the figure.
+        Gets a run folder a network, ablation.json and the figure. Two processes may
+        share it, one a dataset; a last call with both draws them.
     progress : callable, optional
         Told after every network.
 
@@ -97,13 +98,15 @@ def ablate(
     found = _read(folder, budget)
     runs = [
         (dataset, configuration, seed)
+        for seed in range(budget.seeds)  # one of each soon makes a whole figure
         for dataset in sorted(stores)
         for configuration in range(1, 13)
-        for seed in range(budget.seeds)
     ]
     for done, run in enumerate(runs):
         if str(run) not in found:
-            found[str(run)] = _loss(stores[run[0]], run, budget, folder)
+            loss = _loss(stores[run[0]], run, budget, folder)
+            # Another process may do the other dataset, into the same folder.
+            found = {**_read(folder, budget), str(run): loss}
             _write(folder, budget, found)
         if progress is not None:
             progress(done + 1, len(runs), "dataset {}, configuration {}".format(*run))
