@@ -31,14 +31,17 @@ def test_baselines_are_offered_where_they_apply(store: Store) -> None:
     assert mesh == ["zero", "linear"]
 
 
-def test_the_reduced_model_stands_beside_loads_on_few_points_only(
+def test_the_reduced_model_stands_beside_loads_on_few_points_unless_named(
     store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     held_out = HeldOut.of(store, "path")
     n_loaded = len(store.load_path(0).nodes)
     for few, offered in ((n_loaded, True), (n_loaded - 1, False)):
         monkeypatch.setattr(baselines, "FEW", few)
-        assert ("reduced" in names(held_out)) == offered
+        assert ("reduced" in named_baselines("all", held_out)) == offered
+        assert named_baselines("reduced", held_out) == ("reduced",)
+    (row,) = baseline_rows(["reduced"], held_out)
+    assert row.name == "reduced"
 
 
 def test_only_what_draws_is_made_for_every_seed(store: Store) -> None:
@@ -52,10 +55,11 @@ def test_unknown_baseline_names_those_there_are(store: Store) -> None:
         baseline_rows(["magic"], HeldOut.of(store, "path"))
 
 
-def test_names_on_the_command_line() -> None:
-    assert named_baselines("all") == tuple(BASELINES)
-    assert named_baselines("quick") == QUICK
-    assert named_baselines("zero, linear") == ("zero", "linear")
+def test_names_on_the_command_line(store: Store) -> None:
+    held_out = HeldOut.of(store, "path")
+    assert named_baselines("all", held_out) == tuple(BASELINES)
+    assert named_baselines("quick", held_out) == QUICK
+    assert named_baselines("zero, linear", held_out) == ("zero", "linear")
 
 
 def test_zero(store: Store) -> None:

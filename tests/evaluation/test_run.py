@@ -123,7 +123,7 @@ def test_seeds_of_one_model_are_one_row_beside_a_tolerance(
     run: Path, store: Store, tmp_path: Path
 ) -> None:
     other = untrained(store, tmp_path / "run-1", seed=1)
-    comparison = Comparison(("zero", "pod_network"), tolerance_mm=0.5)
+    comparison = Comparison("zero, pod_network", tolerance_mm=0.5)
     report = evaluate_runs(
         [run, other], store.path, comparison=comparison, out=tmp_path / "both"
     )

@@ -62,7 +62,6 @@ def evaluate(
     """Measure trained networks on held-out samples: tables, figures, report."""
     data = stages.store_of(runs[-1]) if store is None else store
     with progress("evaluating") as move:
-        from physgnn.evaluation.baselines import named_baselines
         from physgnn.evaluation.run import Comparison, evaluate_runs
         from physgnn.evaluation.tables import accuracy_table
 
@@ -70,7 +69,7 @@ def evaluate(
             runs,
             data,
             split,
-            comparison=Comparison(named_baselines(baselines), tolerance_mm, precision),
+            comparison=Comparison(baselines, tolerance_mm, precision),
             out=out,
             command=stages.command_line(),
             progress=move,

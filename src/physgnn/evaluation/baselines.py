@@ -29,7 +29,9 @@ class Baseline:
     make : callable
         From what is held out and a seed to the predictor.
     applies : callable
-        Whether it can be made, and is meant for such loads.
+        Whether it can be made.
+    is_meant : callable
+        Whether it is meant for such loads: else it must be asked for by name.
     learns : bool
         Whether making it is training, whose time counts.
     draws : bool
@@ -38,6 +40,7 @@ class Baseline:
 
     make: Callable[[HeldOut, int], Predict]
     applies: Callable[[HeldOut], bool] = lambda _: True
+    is_meant: Callable[[HeldOut], bool] = lambda _: True
     learns: bool = False
     draws: bool = False
 
@@ -69,7 +72,7 @@ def _has_examples(held_out: HeldOut) -> bool:
 def _loads_few_points(held_out: HeldOut) -> bool:
     paths = np.unique(held_out.test[:, 0]).tolist()
     widest = max(len(held_out.store.load_path(path).nodes) for path in paths)
-    return _has_examples(held_out) and widest <= FEW
+    return widest <= FEW
 
 
 def _regressor(name: str) -> Baseline:
@@ -81,13 +84,13 @@ def _regressor(name: str) -> Baseline:
     return Baseline(make, _has_examples, learns=True, draws=True)
 
 
-def _fitted(name: str, applies: Callable[[HeldOut], bool]) -> Baseline:
+def _fitted(name: str, is_meant: Callable[[HeldOut], bool]) -> Baseline:
     def make(held_out: HeldOut, _: int) -> Predict:
         model = build_model(name, Body.of(held_out.store))
         model.fit(held_out.store, held_out.train)
         return Predictor(model.body, network_answer(model))
 
-    return Baseline(make, applies, learns=True)
+    return Baseline(make, _has_examples, is_meant, learns=True)
 
 
 BASELINES: Mapping[str, Baseline] = {
@@ -95,15 +98,19 @@ BASELINES: Mapping[str, Baseline] = {
     "linear": Baseline(_linear),
     "level_interpolation": Baseline(_interpolation, _knows_paths),
     **{name: _regressor(name) for name in REGRESSORS},
-    "galerkin": _fitted("galerkin", _has_examples),
+    "galerkin": _fitted("galerkin", lambda _: True),
     "reduced": _fitted("reduced", _loads_few_points),
 }
 QUICK = ("zero", "linear", "level_interpolation")  # made in seconds
 
 
-def named_baselines(text: str) -> tuple[str, ...]:
-    """Return the names that ``quick``, ``all`` or a list with commas stand for."""
-    known = {"quick": QUICK, "all": tuple(BASELINES)}
+def named_baselines(text: str, held_out: HeldOut) -> tuple[str, ...]:
+    """Return the names that ``quick``, ``all`` or a list with commas stand for.
+
+    ``all`` are those that are meant for such loads.
+    """
+    meant = tuple(k for k, row in BASELINES.items() if row.is_meant(held_out))
+    known = {"quick": QUICK, "all": meant}
     return known.get(text, tuple(name.strip() for name in text.split(",")))
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from physgnn.dataset.split import MESH, Split
 from physgnn.dataset.store import Store
-from physgnn.evaluation.baselines import QUICK, baseline_rows
+from physgnn.evaluation.baselines import baseline_rows, named_baselines
 from physgnn.evaluation.coverage import (
     BarSample,
     bar_facts,
@@ -47,15 +47,16 @@ class Comparison:
 
     Parameters
     ----------
-    baselines : tuple of str
-        Rows of `BASELINES`; those that do not apply to the split are left out.
+    baselines : str
+        ``quick``, ``all``, or rows of `BASELINES` with commas between; those that do
+        not apply to the split are left out.
     tolerance_mm : float or None
         Adds the last run's first seed with every prediction made to keep this.
     precision : str
         Of the runs' answers, as in `Predictor.load`.
     """
 
-    baselines: tuple[str, ...] = QUICK
+    baselines: str = "quick"
     tolerance_mm: float | None = None
     precision: str = "float32"
 
@@ -130,7 +131,8 @@ def _rows(runs: Sequence[Path], held_out: HeldOut, comparison: Comparison) -> li
     tested = run_rows(runs, held_out.store, comparison.precision)
     seeds = sorted({row.seed for row in tested if row.seed is not None}) or [0]
     names = {row.name for row in tested}  # what is tested is no baseline of itself
-    baselines = [name for name in comparison.baselines if name not in names]
+    asked = named_baselines(comparison.baselines, held_out)
+    baselines = [name for name in asked if name not in names]
     rows = baseline_rows(baselines, held_out, seeds=seeds)
     if comparison.tolerance_mm is not None:
         first = next(row for row in tested if row.name == tested[-1].name)

@@ -170,7 +170,6 @@ class Pipeline:
         unfinished.rename(run)
 
     def _evaluate(self) -> "Report":
-        from physgnn.evaluation.baselines import named_baselines
         from physgnn.evaluation.result import Report
         from physgnn.evaluation.run import Comparison, evaluate_runs
 
@@ -178,7 +177,7 @@ class Pipeline:
         if self.is_there(self.report):
             return Report.read(made / "metrics.json")
         recipe = self.recipe
-        beside = Comparison(named_baselines(recipe.baselines), recipe.tolerance_mm)
+        beside = Comparison(recipe.baselines, recipe.tolerance_mm)
         runs = [*(self.folder / model for model in recipe.peers), self.trained]
         with self.show("evaluating") as progress:
             errors = evaluate_runs(
