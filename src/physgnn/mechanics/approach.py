@@ -37,7 +37,8 @@ IntArray = NDArray[np.int64]
 
 MAX_ITERATIONS = 20  # a step of the walk from rest; what needs more is better halved
 STEPS = 30  # from rest; longer ones may miss where a path turns back
-MIN_STEP = 1 / 120  # shorter ones rarely help where these fail: there the body falls
+MIN_STEP = 1 / 120  # from a share; where these fail it's better to begin at rest
+MIN_STEP_FROM_REST = 1e-3  # the solver's own: what that reaches is reached here too
 MAX_HALVINGS = 10
 FAR = 1 / 10  # of the largest displacement, is too far for a guess to choose a state
 
@@ -157,7 +158,7 @@ class Approach:
             start = _without_inverted_cells(iteration, safe, start)
             found = _next_to(iteration, start, safe, share)
             if found is not None and share < 1.0:
-                found = _follow(iteration, found.state, share)
+                found = _follow(iteration, found.state, share, MIN_STEP)
         if found is None or found.status != Status.CONVERGED:
             origin, found = "path", _follow_from_rest(iteration)
         return Approached(
@@ -212,10 +213,12 @@ def _follow_from_rest(iteration: QuasiNewton) -> Equilibrium:
     rest = np.zeros(iteration.pattern.n_unknowns)
     if not iteration.refactorize(rest, 0.0):
         return Equilibrium(rest, Status.LIMIT_POINT, np.inf)
-    return _follow(iteration, rest, 0.0)
+    return _follow(iteration, rest, 0.0, MIN_STEP_FROM_REST)
 
 
-def _follow(iteration: QuasiNewton, state: FloatArray, share: float) -> Equilibrium:
+def _follow(
+    iteration: QuasiNewton, state: FloatArray, share: float, min_step: float
+) -> Equilibrium:
     """Let the load grow from a share; return the last equilibrium if it gets stuck.
 
     The iteration's factor must be that of a state near the one it starts from.
@@ -224,7 +227,7 @@ def _follow(iteration: QuasiNewton, state: FloatArray, share: float) -> Equilibr
     walk = PathFollower(
         iteration,
         lambda factor: state + (factor - share) * slope,
-        min_step=MIN_STEP,
+        min_step=min_step,
         start=share,
     )
     n_steps = int(np.ceil(STEPS * (1.0 - share)))
