@@ -31,6 +31,7 @@ from physgnn.mechanics.relaxation import (
 )
 from physgnn.mechanics.rest_state import fixed_points
 from physgnn.mechanics.solution import Status
+from physgnn.mechanics.solver import SolverOptions
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -38,7 +39,8 @@ IntArray = NDArray[np.int64]
 MAX_ITERATIONS = 20  # a step of the walk from rest; what needs more is better halved
 STEPS = 30  # from rest; longer ones may miss where a path turns back
 MIN_STEP = 1 / 120  # from a share; where these fail it's better to begin at rest
-MIN_STEP_FROM_REST = 1e-3  # the solver's own: what that reaches is reached here too
+# The last try, from rest, is the solver's: what that reaches is reached here too.
+FROM_REST = SolverOptions()
 MAX_HALVINGS = 10
 FAR = 1 / 10  # of the largest displacement, is too far for a guess to choose a state
 
@@ -210,10 +212,12 @@ def _next_to(
 
 
 def _follow_from_rest(iteration: QuasiNewton) -> Equilibrium:
+    within = min(iteration.tolerance_mm, FROM_REST.tolerance_mm)
+    iteration = replace(iteration, tolerance_mm=within)
     rest = np.zeros(iteration.pattern.n_unknowns)
     if not iteration.refactorize(rest, 0.0):
         return Equilibrium(rest, Status.LIMIT_POINT, np.inf)
-    return _follow(iteration, rest, 0.0, MIN_STEP_FROM_REST)
+    return _follow(iteration, rest, 0.0, FROM_REST.min_step)
 
 
 def _follow(
