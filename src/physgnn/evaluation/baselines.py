@@ -20,6 +20,10 @@ from physgnn.prediction.predictor import Predictor
 FEW = 30  # loaded points; about more the reduced model takes seconds a prediction
 
 
+def _always(_: HeldOut) -> bool:
+    return True
+
+
 @dataclass(frozen=True)
 class Baseline:
     """How to make a predictor to compare with.
@@ -39,8 +43,8 @@ class Baseline:
     """
 
     make: Callable[[HeldOut, int], Predict]
-    applies: Callable[[HeldOut], bool] = lambda _: True
-    is_meant: Callable[[HeldOut], bool] = lambda _: True
+    applies: Callable[[HeldOut], bool] = _always
+    is_meant: Callable[[HeldOut], bool] = _always
     learns: bool = False
     draws: bool = False
 
@@ -84,7 +88,7 @@ def _regressor(name: str) -> Baseline:
     return Baseline(make, _has_examples, learns=True, draws=True)
 
 
-def _fitted(name: str, is_meant: Callable[[HeldOut], bool]) -> Baseline:
+def _fitted(name: str, is_meant: Callable[[HeldOut], bool] = _always) -> Baseline:
     def make(held_out: HeldOut, _: int) -> Predict:
         model = build_model(name, Body.of(held_out.store))
         model.fit(held_out.store, held_out.train)
@@ -98,7 +102,7 @@ BASELINES: Mapping[str, Baseline] = {
     "linear": Baseline(_linear),
     "level_interpolation": Baseline(_interpolation, _knows_paths),
     **{name: _regressor(name) for name in REGRESSORS},
-    "galerkin": _fitted("galerkin", lambda _: True),
+    "galerkin": _fitted("galerkin"),
     "reduced": _fitted("reduced", _loads_few_points),
 }
 QUICK = ("zero", "linear", "level_interpolation")  # made in seconds

@@ -202,12 +202,12 @@ def rounded(value: Any, where: Any) -> Any:
 @overload(sigmoid, inline="always")
 def _sigmoid(z):  # type: ignore[no-untyped-def]
     if z == types.float32:
-        return lambda z: np.float32(1) / (np.float32(1) + _power(-z))
+        return lambda z: np.float32(1) / (np.float32(1) + _exp(-z))
     return lambda z: 1 / (1 + np.exp(-z))
 
 
 @njit(inline="always")
-def _power(x: Any) -> Any:
+def _exp(x: Any) -> Any:
     """Return exp in float32: a power of two times a polynomial; vectorisable.
 
     2ʳ = 1 + r·q(r) on |r| ≤ ½ to 9.1e-8, q fitted by reweighted least squares. What

@@ -24,7 +24,7 @@ BUNDLED = replace(
 def bundle(
     folder: str | Path, out: str | Path = BUNDLED_RUN, *, show: Show, log: Log
 ) -> Path:
-    """Make the bundled model, a quarter of an hour's work; return where it is.
+    """Make the bundled model, some twenty minutes' work; return where it is.
 
     Parameters
     ----------
