@@ -144,6 +144,28 @@ def test_of_two_equilibria_the_load_reaches_the_one_followed_to():
         np.testing.assert_allclose(begun.displacement, states[level], atol=1e-3)
 
 
+def test_the_last_try_reaches_what_the_solver_reaches_and_nothing_else():
+    """Loads near snap-throughs, where short steps and a tight tolerance decide."""
+    mesh, rng = block_mesh(4), np.random.default_rng(1)
+    materials = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
+    approach = Approach(mesh, materials)
+    snaps = 0
+    for node in rng.choice(mesh.point_set("loaded"), 12, replace=False):
+        direction = rng.normal(size=3)
+        force = 0.2 * direction[None] / np.linalg.norm(direction)
+        path = LoadPath(node[None], force, np.arange(1, 31) / 30)
+        solution = solve(mesh, path, materials=materials)
+        snaps += "snapped" in solution.message
+        for level in (29, 10):
+            found = approach.solve(path.case(level), tolerance_mm=0.1)
+            solved = solution.status[level] == Status.CONVERGED
+            assert (found.status == Status.CONVERGED) == solved
+            if solved:
+                missed = found.displacement - solution.displacement[level]
+                assert np.abs(missed).max() < 0.1
+    assert snaps >= 3
+
+
 def test_the_rest_of_a_load_is_followed_from_the_share_a_guess_belongs_to(
     approach, solved
 ):

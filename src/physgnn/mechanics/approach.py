@@ -36,7 +36,7 @@ from physgnn.mechanics.solver import SolverOptions
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-MAX_ITERATIONS = 20  # a step of the walk from rest; what needs more is better halved
+MAX_ITERATIONS = 20  # a step from a share; what needs more is better halved
 STEPS = 30  # from rest; longer ones may miss where a path turns back
 MIN_STEP = 1 / 120  # from a share; where these fail it's better to begin at rest
 # The last try, from rest, is the solver's: what that reaches is reached here too.
@@ -213,7 +213,8 @@ def _next_to(
 
 def _follow_from_rest(iteration: QuasiNewton) -> Equilibrium:
     within = min(iteration.tolerance_mm, FROM_REST.tolerance_mm)
-    iteration = replace(iteration, tolerance_mm=within)
+    most = FROM_REST.max_iterations
+    iteration = replace(iteration, tolerance_mm=within, max_iterations=most)
     rest = np.zeros(iteration.pattern.n_unknowns)
     if not iteration.refactorize(rest, 0.0):
         return Equilibrium(rest, Status.LIMIT_POINT, np.inf)
