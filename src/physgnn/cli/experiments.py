@@ -49,6 +49,9 @@ def ablate(
     samples: Annotated[int, typer.Option(help="Training samples an epoch.")] = 400,
     seeds: Annotated[int, typer.Option(help="Networks of each configuration.")] = 3,
     split: Annotated[str, typer.Option(help="path, node or published.")] = "published",
+    width: Annotated[
+        int, typer.Option(help="Of the networks; 112 as published.")
+    ] = 112,
     precision: Annotated[
         str, typer.Option(help="Of training: float32, or bfloat16.")
     ] = "float32",
@@ -60,7 +63,7 @@ def ablate(
     stores = {number: path for number, path in given.items() if path is not None}
     if not stores:
         raise InputError("give --dataset-1, --dataset-2 or both")
-    budget = Ablation(epochs, samples, seeds, split, precision=precision)
+    budget = Ablation(epochs, samples, seeds, split, width, precision)
     with progress("ablation") as move:
         print(ablate(stores, budget, out, progress=move))
     print(out / "ablation.png")
