@@ -19,6 +19,7 @@ PROGRAM = """
 import sys, torch
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
+from physgnn.learning.trainer import Machine
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
 
@@ -28,7 +29,7 @@ samples = store.samples()
 path = samples[:, 0]
 split = Split("path", samples[path < 4], samples[path == 4], samples[path == 5])
 config = TrainingConfig(**{config})
-train(store, split, config, sys.argv[2], devices=2)
+train(store, split, config, sys.argv[2], machine=Machine(devices=2))
 """
 # 16 samples in batches of 7: shares are unequal, and the last batch is smaller
 CONFIG = {

@@ -234,6 +234,7 @@ def train(
 ) -> None:
     """Train a network on a dataset; the best weights are kept."""
     from physgnn.config import read_training
+    from physgnn.learning.trainer import Machine
 
     with working("loading"):
         settings = read_training(
@@ -256,9 +257,7 @@ def train(
             settings,
             out,
             progress=move,
-            device=device,
-            devices=devices,
-            num_nodes=num_nodes,
+            machine=Machine(device, devices, num_nodes),
             resume=resume,
             start=start,
         )

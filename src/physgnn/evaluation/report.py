@@ -1,7 +1,8 @@
 """One HTML file with everything an evaluation found: no network, no other files."""
 
 import base64
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -55,67 +56,11 @@ def write_report(report: Report, pictures: Iterable[Picture], path: Path) -> Non
 
 def report_html(report: Report, pictures: Iterable[Picture]) -> str:
     """Return the report as one self-contained HTML page."""
-    model = report.models[-1]
+    tested = label(report.models[-1].name)
     shown = {picture.name: _figure(picture) for picture in pictures}
-    preset = str(report.facts.get("case", {}).get("preset", ""))
-    facts = {
-        name: _facts(values)
-        for name, values in report.facts.items()
-        if isinstance(values, Mapping)
-    }
-    tested = label(model.name)
-    kept = tables.tolerance_table(report)
-
-    def table(made: Table) -> str:
-        names = {group_label(seeds): seeds[0].name for seeds in report.groups}
-        return _table(made, names, tested)
-
-    sections: tuple[tuple[str, tuple[str | None, ...]], ...] = (
-        (
-            "The case",
-            (
-                facts.get("case", ""),
-                shown.get("case"),
-                shown.get("deformed"),
-                shown.get("slices"),
-            ),
-        ),
-        (
-            "Accuracy",
-            (
-                f'<p class="aside">{escape(SPLIT_MEANING.get(report.split, ""))}</p>',
-                table(tables.accuracy_table(report)),
-                shown.get("error_over_level"),
-                table(tables.level_table(report)),
-                shown.get("error_histogram"),
-            ),
-        ),
-        (
-            "Error bounds",
-            (
-                _bounds(model),
-                facts.get("bounds", ""),
-                shown.get("error_bound"),
-                shown.get("error_bars"),
-                facts.get("error_bars", ""),
-                table(kept) if kept else None,
-            ),
-        ),
-        ("The worst case", (shown.get("worst_case"),)),
-        (
-            "Beside the publication",
-            (
-                table(published_tables.protocol_table(report, preset)),
-                table(published_tables.extremes_table(report, preset)),
-            ),
-        ),
-        ("Time", (facts.get("time", ""),)),
-        (
-            "Where the numbers come from",
-            (facts.get("model", ""), facts.get("provenance", "")),
-        ),
+    body = "".join(
+        _section(title, parts) for title, parts in _sections(_Page(report, shown))
     )
-    body = "".join(_section(title, parts) for title, parts in sections)
     title = f"{tested} {SPLIT_TITLE.get(report.split, 'on held-out samples')}"
     style = files("physgnn.evaluation").joinpath("report.css").read_text("utf-8")
     return (
@@ -127,6 +72,65 @@ def report_html(report: Report, pictures: Iterable[Picture]) -> str:
         "<footer>Displacements and errors in mm. The same numbers, every sample "
         "included, are in metrics.json beside this file.</footer></body></html>\n"
     )
+
+
+@dataclass(frozen=True)
+class _Page:
+    """What a section is put together from, each part as HTML or None."""
+
+    report: Report
+    pictures: Mapping[str, str]
+
+    def pictured(self, *names: str) -> list[str | None]:
+        return [self.pictures.get(name) for name in names]
+
+    def facts(self, *names: str) -> list[str | None]:
+        found = [self.report.facts.get(name) for name in names]
+        return [_facts(f) if isinstance(f, Mapping) else None for f in found]
+
+    def table(self, made: Table | None) -> str | None:
+        if made is None:
+            return None
+        names = {group_label(seeds): seeds[0].name for seeds in self.report.groups}
+        return _table(made, names, label(self.report.models[-1].name))
+
+
+def _sections(page: _Page) -> Iterator[tuple[str, list[str | None]]]:
+    """Yield the sections in their order: titles, and what stands below."""
+    report = page.report
+    yield (
+        "The case",
+        page.facts("case") + page.pictured("case", "deformed", "slices"),
+    )
+    yield "Accuracy", _accuracy(page)
+    yield "Error bounds", _error_bounds(page)
+    yield "The worst case", page.pictured("worst_case")
+    preset = str(report.facts.get("case", {}).get("preset", ""))
+    published = (published_tables.protocol_table, published_tables.extremes_table)
+    yield "Beside the publication", [page.table(of(report, preset)) for of in published]
+    yield "Time", page.facts("time")
+    yield "Where the numbers come from", page.facts("model", "provenance")
+
+
+def _accuracy(page: _Page) -> list[str | None]:
+    meaning = SPLIT_MEANING.get(page.report.split, "")
+    return [
+        f'<p class="aside">{escape(meaning)}</p>',
+        page.table(tables.accuracy_table(page.report)),
+        *page.pictured("error_over_level"),
+        page.table(tables.level_table(page.report)),
+        *page.pictured("error_histogram"),
+    ]
+
+
+def _error_bounds(page: _Page) -> list[str | None]:
+    return [
+        _bounds(page.report.models[-1]),
+        *page.facts("bounds"),
+        *page.pictured("error_bound", "error_bars"),
+        *page.facts("error_bars"),
+        page.table(tables.tolerance_table(page.report)),
+    ]
 
 
 def _key_numbers(report: Report) -> str:

@@ -1,8 +1,6 @@
 """Training: a store and a split in, a run folder with the best weights out."""
 
 import json
-import logging
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -10,9 +8,7 @@ from typing import Any
 
 import torch
 import torch.distributed as dist
-from lightning.pytorch import Callback, Trainer
-from lightning.pytorch.callbacks import EarlyStopping
-from lightning.pytorch.loggers import TensorBoardLogger
+from lightning.pytorch import Callback
 from torch import Tensor
 from torch.utils.data import default_collate
 
@@ -20,9 +16,9 @@ from physgnn.errors import InputError
 from physgnn.io.atomic import whole_file
 from physgnn.learning.batches import Samples, Share
 from physgnn.learning.budget import Budget
-from physgnn.learning.callbacks import KeepBest, KeepState, MetricsFile, Report
+from physgnn.learning.callbacks import KeepBest, MetricsFile, Report
 from physgnn.learning.checkpoint import RECORD, WEIGHTS, Checkpoint
-from physgnn.learning.lightning_module import VALIDATION_LOSS, TrainingModule
+from physgnn.learning.lightning_module import TrainingModule
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.members import (
     Splits,
@@ -45,12 +41,13 @@ from physgnn.learning.run_record import (
 from physgnn.learning.sample_cache import SampleCache
 from physgnn.learning.schedules import SCHEDULES
 from physgnn.learning.threads import only_side_by_side
+from physgnn.learning.trainer import LAST, Machine, make_trainer, quiet
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.learning.workspace import reused_memory
 from physgnn.progress import Progress
 
-LAST = "last.ckpt"
 METRICS = "metrics.csv"
+ONE_PROCESS = Machine()
 
 
 def train(
@@ -60,9 +57,7 @@ def train(
     run: str | Path,
     *,
     progress: Progress | None = None,
-    device: str = "cpu",
-    devices: int = 1,
-    num_nodes: int = 1,
+    machine: Machine = ONE_PROCESS,
     resume: bool = False,
     start: Checkpoint | None = None,
 ) -> Checkpoint:
@@ -81,12 +76,8 @@ def train(
         Folder for weights, record, mesh, metrics; every epoch leaves it usable.
     progress : callable, optional
         Told the part of the budget spent, in thousandths.
-    device : str
-        Where to compute, as Lightning names it: ``"cpu"``, ``"cuda"``, ``"auto"``.
-    devices, num_nodes : int
-        Processes on this machine, and machines. They share every batch out; losses and
-        weights are those of one process, to rounding. Each process runs the caller's
-        program from its start; only the first writes into the run folder.
+    machine : Machine
+        Where to compute, in how many processes.
     resume : bool
         Continue from the last checkpoint, which is at most five minutes older than the
         interruption; to rounding, the result is that of a run never interrupted.
@@ -110,11 +101,9 @@ def train(
     if start is not None:
         record = with_start(record, start.record)
     _prepare(run, record, resume=resume)
+    budget = Budget(config)
     with ExitStack() as stack:
-        stack.enter_context(_quiet())
-        stack.enter_context(torch.random.fork_rng(devices=[]))
-        torch.manual_seed(config.seed)
-        budget = Budget(config)
+        stack.enter_context(_seeded(config.seed))
         models = build_models(members, config, start.model if start else None)
         for model in models:
             set_precision(model, config.precision)
@@ -125,16 +114,8 @@ def train(
                 models[0], with_result(record, loss=loss, spent=budget.spent)
             ).save(run)
         )
-        schedule = SCHEDULES[config.schedule](config, budget)
-        watchers = _watchers(run, budget, progress)
-        trainer = _trainer(
-            run,
-            config,
-            [budget, best, schedule, *watchers],
-            accelerator=device,
-            devices=devices,
-            num_nodes=num_nodes,
-        )
+        callbacks = [budget, best, *_watchers(run, config, budget, progress)]
+        trainer = make_trainer(run, config, callbacks, machine)
         share = Share(trainer.global_rank, trainer.world_size)
         at_once = _at_once(samples, config)
         stack.enter_context(reused_memory())
@@ -146,12 +127,18 @@ def train(
             ckpt_path=run / LAST if resume else None,
             weights_only=True,
         )
-    result = with_result(record, loss=best.loss, spent=budget.spent)
     if trainer.is_global_zero:
-        Checkpoint(Checkpoint.load(run).model, result).save(run)
-        write_model_card(run)
+        _finish(run, with_result(record, loss=best.loss, spent=budget.spent))
     trainer.strategy.barrier()
     return Checkpoint.load(run)
+
+
+@contextmanager
+def _seeded(seed: int) -> Iterator[None]:
+    """Draw random numbers from a seed, without trace in the caller's, and in quiet."""
+    with quiet(), torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        yield
 
 
 def _prepare(run: Path, record: dict[str, Any], *, resume: bool) -> None:
@@ -166,6 +153,11 @@ def _prepare(run: Path, record: dict[str, Any], *, resume: bool) -> None:
         run.mkdir(parents=True, exist_ok=True)
         with whole_file(run / RECORD) as part:
             part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
+
+
+def _finish(run: Path, record: dict[str, Any]) -> None:
+    Checkpoint(Checkpoint.load(run).model, record).save(run)
+    write_model_card(run)
 
 
 def is_first_process() -> bool:
@@ -188,50 +180,10 @@ def _at_once(parts: Sequence[Samples], config: TrainingConfig) -> int:
     return samples_at_once(model, forward, batch_size=n, limit_mb=config.memory_mb)
 
 
-def _watchers(run: Path, budget: Budget, progress: Progress | None) -> list[Callback]:
+def _watchers(
+    run: Path, config: TrainingConfig, budget: Budget, progress: Progress | None
+) -> list[Callback]:
+    """Return what follows the epochs: the learning rate, the records, the bar."""
+    schedule = SCHEDULES[config.schedule](config, budget)
     file = MetricsFile(run / METRICS, budget)
-    return [file, Report(progress, budget)] if progress else [file]
-
-
-def _trainer(
-    run: Path, config: TrainingConfig, callbacks: list[Callback], **machine: Any
-) -> Trainer:
-    patience = EarlyStopping(VALIDATION_LOSS, patience=config.early_stopping)
-    together = machine["devices"] * machine["num_nodes"] > 1
-    return Trainer(
-        **machine,
-        strategy="ddp" if together else "auto",
-        use_distributed_sampler=False,
-        max_epochs=config.max_epochs,
-        callbacks=[*callbacks, patience, KeepState(run / LAST)],
-        logger=TensorBoardLogger(run, name="tensorboard", version=""),
-        default_root_dir=run,
-        num_sanity_val_steps=0,
-        enable_progress_bar=False,
-        enable_model_summary=False,
-    )
-
-
-# Lightning's advice that doesn't apply: samples are made faster than they're used, the
-# run folder is meant to hold what an earlier run left, and its own calls are its own.
-_NOISE = (
-    r".*isinstance\(treespec, LeafSpec\).*",
-    ".*does not have many workers.*",
-    ".*number of training batches.*is smaller than the logging interval.*",
-    ".*Checkpoint directory.*exists and is not empty.*",
-)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep Lightning's advice and greetings from the user."""
-    logger = logging.getLogger("lightning.pytorch")
-    level = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        with warnings.catch_warnings():
-            for message in _NOISE:
-                warnings.filterwarnings("ignore", message)
-            yield
-    finally:
-        logger.setLevel(level)
+    return [schedule, file, *([Report(progress, budget)] if progress else [])]
