@@ -1,3 +1,5 @@
+import gc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +11,7 @@ from torch import Tensor
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.learning.physgnn import N_LAYERS, PhysGNN
+from physgnn.learning.pruning import KEPT_REACHES
 from physgnn.learning.reach import Reach
 
 
@@ -165,3 +168,23 @@ def test_a_prediction_stays_as_it_is_when_the_next_uses_its_memory(
         found = [network(x, graph) for x in loads * 3]
     for x, expected in zip(found, alone * 3, strict=True):
         torch.testing.assert_close(x, expected.detach(), rtol=1e-5, atol=1e-6)
+
+
+def test_of_many_loads_only_the_last_graphs_are_kept(
+    network: PhysGNN, graph: Graph
+) -> None:
+    """At once: they are many megabytes, few objects, and no collector hurries."""
+    network.train()
+    seen = []
+    gc.disable()
+    try:
+        for node in range(KEPT_REACHES + 4):
+            x = loaded_features(graph, batch=4, nodes=[node])
+            network(x, graph).sum().backward()
+            (*_, (_, reach)) = network.pruning._reaches.values()
+            seen += [weakref.ref(cut) for cut in (*reach.near, *reach.far)]
+            del reach
+        alive = sum(ref() is not None for ref in seen)
+    finally:
+        gc.enable()
+    assert alive == 2 * N_LAYERS * KEPT_REACHES

@@ -1,6 +1,6 @@
 """A mesh as a graph: its edges once, shared by every sample and every layer."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -78,12 +78,12 @@ class Graph:
     @cached_property
     def weighted(self) -> "Neighbours":
         """Neighbours with the weight 1 / edge length."""
-        return Neighbours(self, self.weight)
+        return Neighbours(replace(self), self.weight)
 
     @cached_property
     def plain(self) -> "Neighbours":
         """Neighbours with the weight 1."""
-        return Neighbours(self, torch.ones_like(self.weight))
+        return Neighbours(replace(self), torch.ones_like(self.weight))
 
     def to(self, device: torch.device | str) -> "Graph":
         """Return the graph on a device."""
@@ -133,6 +133,8 @@ class Neighbours:
     """A graph's edges with values, as arrays for compiled kernels.
 
     Edges are row starts, columns and values, as of a sparse matrix in compressed rows.
+    The graph is a copy of the one that has them: a ring of the two would wait for the
+    garbage collector, and every batch of training may make graphs of its own.
     """
 
     graph: Graph
