@@ -16,6 +16,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -26,6 +27,7 @@ from torch import Tensor, nn
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.learning.losses import mean_euclidean
+from physgnn.learning.physgnn import PhysGNN
 from physgnn.learning.precision import set_precision
 from physgnn.learning.published import load_published
 from physgnn.learning.threads import only_side_by_side
@@ -34,9 +36,10 @@ from physgnn.learning.workspace import reused_memory
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
-    from learning.reference import reference_of
+    from learning.reference import ReferencePhysGNN, reference_of
 
 Clock = Callable[[], float]
+Network = Callable[[Tensor], Tensor]
 
 # Dataset: best configuration, published batch size.
 CASES = {1: (9, 4), 2: (3, 8)}
@@ -65,63 +68,91 @@ def batch_of(x: Tensor, size: int) -> Tensor:
     return batch
 
 
+@dataclass(frozen=True)
+class Pair:
+    """The published network and ours, with the same weights, and what to give them."""
+
+    ours: PhysGNN
+    theirs: ReferencePhysGNN
+    graph: Graph
+    edges: Tensor
+    sample: Tensor
+    batch: Tensor
+
+    @classmethod
+    def read(cls, folder: Path, dataset: int) -> "Pair":
+        """Load a dataset's published weights into both."""
+        configuration, batch_size = CASES[dataset]
+        golden = np.load(folder / "golden_forward.npz")
+        mesh = TetMesh(golden["points"], golden["cells"], golden["region"])
+        weights = folder / f"config{configuration}_dataset{dataset}.pt"
+        ours = load_published(weights, configuration=configuration, dataset=dataset)
+        theirs = reference_of(ours, configuration, dataset)
+        graph = Graph.from_mesh(mesh)
+        sample = torch.from_numpy(golden[f"x_{dataset}"])
+        batch = batch_of(sample, batch_size)
+        return cls(ours, theirs, graph, graph.edge_index, sample[None], batch)
+
+    def published(self, x: Tensor) -> Tensor:
+        """Return what the published network makes of each sample, one after another."""
+        weight = self.graph.weight
+        return torch.stack([self.theirs(sample, self.edges, weight) for sample in x])
+
+    def shared(self, x: Tensor) -> Tensor:
+        """Return what ours makes of them together."""
+        return self.ours(x, self.graph)
+
+
+def step(network: Network, batch: Tensor) -> None:
+    zeros = torch.zeros(*batch.shape[:2], 3)
+    mean_euclidean(network(batch), zeros).backward()
+
+
+def step_as_in_training(network: Network, batch: Tensor) -> None:
+    with only_side_by_side():
+        step(network, batch)
+
+
 def compare(folder: Path, dataset: int, options: argparse.Namespace) -> None:
     torch.set_num_threads(options.threads)
     clock = time.process_time if options.processor_time else time.perf_counter
-    repeats = options.repeats
-    configuration, batch_size = CASES[dataset]
-    golden = np.load(folder / "golden_forward.npz")
-    graph = Graph.from_mesh(
-        TetMesh(golden["points"], golden["cells"], golden["region"])
-    )
-    weights = folder / f"config{configuration}_dataset{dataset}.pt"
-    ours = load_published(weights, configuration=configuration, dataset=dataset)
-    theirs = reference_of(ours, configuration, dataset)
-    sample = torch.from_numpy(golden[f"x_{dataset}"])[None]
-    batch = batch_of(sample[0], batch_size)
-    edges = graph.edge_index
+    pair = Pair.read(folder, dataset)
+    time_forward(pair, dataset, options.repeats, clock)
+    time_steps(pair, options.repeats, clock)
 
-    def step(network: Callable[[Tensor], Tensor], n: int) -> None:
-        mean_euclidean(
-            network(batch[:n]), torch.zeros(n, *batch.shape[1:2], 3)
-        ).backward()
 
-    def our_step() -> None:
-        with only_side_by_side():  # as training does
-            step(shared, batch_size)
-
-    def published(x: Tensor) -> Tensor:
-        return torch.stack([theirs(s, edges, graph.weight) for s in x])
-
-    def shared(x: Tensor) -> Tensor:
-        return ours(x, graph)
-
+def time_forward(pair: Pair, dataset: int, repeats: int, clock: Clock) -> None:
+    published, shared = pair.published, pair.shared
     with torch.inference_mode():
-        exact = shared(sample)
-        apart = float((exact - published(sample)).abs().max())
-        both = [lambda: published(sample), lambda: shared(sample)]
-        forward = medians(both, repeats, clock)
-        set_precision(ours, "bfloat16")
-        rounding = float((shared(sample) - exact).norm(dim=-1).mean())
-        rough = medians([lambda: shared(sample)], repeats, clock)
-        set_precision(ours, "float32")
-    step(published, 2)
-    step(shared, 2)
-    print(
-        f"configuration {configuration}, dataset {dataset}: outputs {apart:.1e} mm "
-        f"apart, gradients {gradients_apart(ours, theirs.our_gradients()):.1e} of the "
-        "largest"
-    )
-    print_row("forward, 1 sample", forward)
-    print_row(f"the same, bfloat16 ({rounding:.4f} mm off)", forward[:1] + rough)
-    steps = [lambda: step(published, 1), our_step]
+        exact = shared(pair.sample)
+        apart = float((exact - published(pair.sample)).abs().max())
+        print(f"dataset {dataset}: outputs {apart:.1e} mm apart")
+        both = [lambda: published(pair.sample), lambda: shared(pair.sample)]
+        seconds = medians(both, repeats, clock)
+        print_row("forward, 1 sample", seconds)
+        set_precision(pair.ours, "bfloat16")
+        off = float((shared(pair.sample) - exact).norm(dim=-1).mean())
+        seconds[1:] = medians(both[1:], repeats, clock)
+        print_row(f"the same, bfloat16 ({off:.4f} mm off)", seconds)
+        set_precision(pair.ours, "float32")
+
+
+def time_steps(pair: Pair, repeats: int, clock: Clock) -> None:
+    batch, size = pair.batch, len(pair.batch)
+    step(pair.published, batch[:2])
+    step(pair.shared, batch[:2])
+    apart = gradients_apart(pair.ours, pair.theirs.our_gradients())
+    print(f"gradients {apart:.1e} of the largest apart")
+    steps = [
+        lambda: step(pair.published, batch[:1]),
+        lambda: step_as_in_training(pair.shared, batch),
+    ]
     with reused_memory():
         one, all_of_them = medians(steps, repeats, clock)
-        set_precision(ours, "bfloat16")
-        (rough_step,) = medians(steps[1:], repeats, clock)
-    what = f"training step, batch {batch_size}, a sample"
-    print_row(what, [one, all_of_them / batch_size])
-    print_row("the same, bfloat16", [one, rough_step / batch_size])
+        set_precision(pair.ours, "bfloat16")
+        (rough,) = medians(steps[1:], repeats, clock)
+    print_row(f"training step, batch {size}, a sample", [one, all_of_them / size])
+    print_row("the same, bfloat16", [one, rough / size])
 
 
 def gradients_apart(network: nn.Module, expected: dict[str, Tensor]) -> float:
