@@ -25,7 +25,7 @@ class Point:
 
 
 def draw_ablation(panels: Mapping[str, Sequence[Point]], path: Path) -> None:
-    """Draw a panel an ablation: a line a dataset through the means, a band of spread.
+    """Draw a column an ablation and a row a dataset: means, seeds, a band of spread.
 
     Parameters
     ----------
@@ -34,24 +34,30 @@ def draw_ablation(panels: Mapping[str, Sequence[Point]], path: Path) -> None:
     path : path
         PNG to write, whole or not at all.
     """
+    datasets = sorted({point.dataset for points in panels.values() for point in points})
     with mpl.rc_context(LIGHT.settings()):
-        figure = Figure(figsize=(4.8 * len(panels), 3.8), layout="constrained")
-        all_axes = figure.subplots(1, len(panels), squeeze=False)[0]
-        for axes, (title, points) in zip(all_axes, panels.items(), strict=True):
-            _draw(axes, points)
-            axes.set(xlabel=title, ylabel="validation loss, mm")
-        all_axes[0].legend()
+        size = 4.8 * len(panels), 3.2 * len(datasets)
+        figure = Figure(figsize=size, layout="constrained")
+        # A row has one scale, so that its ablations can be compared.
+        grid = figure.subplots(
+            len(datasets), len(panels), squeeze=False, sharey="row", sharex="col"
+        )
+        for row, dataset in zip(grid, datasets, strict=True):
+            row[0].set_ylabel(f"dataset {dataset}: validation loss, mm")
+            for axes, points in zip(row, panels.values(), strict=True):
+                _draw(axes, [point for point in points if point.dataset == dataset])
+        for axes, title in zip(grid[-1], panels, strict=True):
+            axes.set_xlabel(title)
         with whole_file(path) as part:
             figure.savefig(part, dpi=DPI, facecolor="white")
 
 
 def _draw(axes: Axes, points: Sequence[Point]) -> None:
-    for dataset in sorted({point.dataset for point in points}):
-        mine = [point for point in points if point.dataset == dataset]
-        x = [point.replaced for point in mine]
-        losses = [point.losses for point in mine]
-        colour = SPARE_COLOURS[dataset]
-        means = [np.mean(values) for values in losses]
-        axes.plot(x, means, marker="o", color=colour, label=f"dataset {dataset}")
-        low, high = ([f(values) for values in losses] for f in (min, max))
-        axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
+    colour = SPARE_COLOURS[points[0].dataset]
+    x = [point.replaced for point in points]
+    losses = [point.losses for point in points]
+    axes.plot(x, [np.mean(values) for values in losses], marker="o", color=colour)
+    for place, values in zip(x, losses, strict=True):
+        axes.plot([place] * len(values), values, ".", color=colour, alpha=0.5)
+    low, high = ([f(values) for values in losses] for f in (min, max))
+    axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
