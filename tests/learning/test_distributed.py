@@ -1,9 +1,11 @@
-"""Two processes that train together do what one does."""
+"""Two processes that train together, on one machine or two, do what one does."""
 
 import csv
 import os
+import socket
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -29,7 +31,7 @@ samples = store.samples()
 path = samples[:, 0]
 split = Split("path", samples[path < 4], samples[path == 4], samples[path == 5])
 config = TrainingConfig(**{config})
-train(store, split, config, sys.argv[2], machine=Machine(devices=2))
+train(store, split, config, sys.argv[2], machine={machine})
 """
 # 16 samples in batches of 7: shares are unequal, and the last batch is smaller
 CONFIG = {
@@ -47,22 +49,45 @@ def metrics(run: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(stream))
 
 
+def launch(machine: str, store: Store, out: Path, **variables: str) -> subprocess.Popen:
+    program = out.with_suffix(".py")
+    text = PROGRAM.replace("{config}", repr(CONFIG)).replace("{machine}", machine)
+    program.write_text(text)
+    return subprocess.Popen(
+        [sys.executable, program, store.path, out],
+        env={**os.environ, "OMP_NUM_THREADS": "1", **variables},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def on_one_machine(store: Store, out: Path) -> list[subprocess.Popen]:
+    return [launch("Machine(devices=2)", store, out)]
+
+
+def on_two_machines(store: Store, out: Path) -> list[subprocess.Popen]:
+    with socket.socket() as free:
+        free.bind(("localhost", 0))
+        port = str(free.getsockname()[1])
+    address = {"MASTER_ADDR": "localhost", "MASTER_PORT": port}
+    return [
+        launch("Machine(num_nodes=2)", store, out, NODE_RANK=str(rank), **address)
+        for rank in range(2)
+    ]
+
+
+@pytest.mark.parametrize("start", [on_one_machine, on_two_machines])
 def test_two_processes_have_the_loss_curve_of_one(
-    store: Store, split: Split, tmp_path: Path
+    start: Callable[[Store, Path], list[subprocess.Popen]],
+    store: Store,
+    split: Split,
+    tmp_path: Path,
 ) -> None:
-    program = tmp_path / "program.py"
-    program.write_text(PROGRAM.replace("{config}", repr(CONFIG)))
     one, two = tmp_path / "one", tmp_path / "two"
     train(store, split, TrainingConfig(**CONFIG), one)
-    done = subprocess.run(
-        [sys.executable, program, store.path, two],
-        env={**os.environ, "OMP_NUM_THREADS": "1"},
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    for process in start(store, two):
+        _, said = process.communicate(timeout=300)
+        assert process.returncode == 0, said
     assert len(metrics(one)) == 4
     for of_one, of_two in zip(metrics(one), metrics(two), strict=True):
         assert of_one["learning_rate"] == of_two["learning_rate"]
