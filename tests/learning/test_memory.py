@@ -1,3 +1,4 @@
+import weakref
 from dataclasses import replace
 from pathlib import Path
 
@@ -33,6 +34,18 @@ def test_counts_what_a_product_keeps() -> None:
     weight = torch.nn.Parameter(torch.ones(5, 5))
     x = torch.ones(7, 5)
     assert kept_bytes(lambda: (x @ weight).relu()) == 2 * x.numel() * 4
+
+
+def test_counting_keeps_nothing() -> None:
+    weight, seen = torch.nn.Parameter(torch.ones(5, 5)), []
+
+    def forward() -> Tensor:
+        y = (torch.ones(7, 5) @ weight).relu()  # whose way back needs the result
+        seen.append(weakref.ref(y))
+        return y
+
+    kept_bytes(forward)
+    assert seen[0]() is None
 
 
 def test_memory_grows_with_the_batch_in_a_straight_line(

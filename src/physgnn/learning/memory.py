@@ -43,7 +43,7 @@ def kept_bytes(forward: Callable[[], Tensor]) -> int:
         ):
             storage = tensor.untyped_storage()
             storages[storage.data_ptr()] = storage.nbytes()
-        return tensor
+        return tensor.detach()  # itself would hold on to what it was made from
 
     with saved_tensors_hooks(note, lambda tensor: tensor):
         forward()
