@@ -1,5 +1,6 @@
 """The paper's two ablations, small: which aggregation, and which type of layer."""
 
+import gc
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -108,6 +109,7 @@ def ablate(
             # Another process may do the other dataset, into the same folder.
             found = {**_read(folder, budget), str(run): loss}
             _write(folder, budget, found)
+            gc.collect()  # Lightning leaves rings of references, to gigabytes of ours
         if progress is not None:
             progress(done + 1, len(runs), "dataset {}, configuration {}".format(*run))
     losses = {run: found[str(run)] for run in runs}
