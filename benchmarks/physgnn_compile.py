@@ -22,7 +22,7 @@ from physgnn.learning.graph import Graph
 from physgnn.learning.losses import mean_euclidean
 from physgnn.learning.published import load_published
 from physgnn.learning.workspace import reused_memory
-from physgnn_forward import batch_of, medians
+from physgnn_speed import batch_of, medians
 
 BATCH = 8
 

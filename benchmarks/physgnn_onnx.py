@@ -18,7 +18,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.learning.onnx_export import write_onnx
 from physgnn.learning.published import load_published
-from physgnn_forward import CASES, medians
+from physgnn_speed import CASES, medians
 
 
 def session_of(file: Path, threads: int) -> onnxruntime.InferenceSession:

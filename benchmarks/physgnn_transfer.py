@@ -20,7 +20,7 @@ from physgnn.learning.interface import Body
 from physgnn.learning.physgnn import N_LAYERS
 from physgnn.learning.physgnn_model import PhysGNNModel
 from physgnn.learning.published import load_published
-from physgnn_forward import CASES
+from physgnn_speed import CASES
 from tables import table
 
 FloatArray = NDArray[np.float64]

@@ -1,6 +1,6 @@
 """PhysGNN as published (PyTorch Geometric) against ours, taking turns in one process.
 
-    python benchmarks/physgnn_forward.py ../shared/paper --threads 2 --repeats 5
+    python benchmarks/physgnn_speed.py ../shared/paper --threads 2 --repeats 5
 
 The folder holds the published weights and ``golden_forward.npz`` (a mesh, inputs and
 the outputs expected of them). Prints medians, and how far the outputs are apart.
@@ -9,6 +9,7 @@ Each dataset has a process of its own, forward passes before training steps: wha
 computed before decides how much memory the process already has, and fresh memory is
 half of the published network's time.
 On a busy machine, ``--threads 1 --processor-time`` counts only what the process gets.
+(A file ``benchmarks/physgnn.py`` would hide the package from every benchmark.)
 """
 
 import argparse
