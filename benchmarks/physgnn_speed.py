@@ -17,7 +17,9 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -71,9 +73,10 @@ def batch_of(x: Tensor, size: int) -> Tensor:
 
 @dataclass(frozen=True)
 class Pair:
-    """The published network and ours, with the same weights, and what to give them."""
+    """The published network and ours, exact and rounded, and what to give them."""
 
     ours: PhysGNN
+    rough: PhysGNN
     theirs: ReferencePhysGNN
     graph: Graph
     edges: Tensor
@@ -88,11 +91,13 @@ class Pair:
         mesh = TetMesh(golden["points"], golden["cells"], golden["region"])
         weights = folder / f"config{configuration}_dataset{dataset}.pt"
         ours = load_published(weights, configuration=configuration, dataset=dataset)
+        rough = deepcopy(ours)
+        set_precision(rough, "bfloat16")
         theirs = reference_of(ours, configuration, dataset)
         graph = Graph.from_mesh(mesh)
         sample = torch.from_numpy(golden[f"x_{dataset}"])
         batch = batch_of(sample, batch_size)
-        return cls(ours, theirs, graph, graph.edge_index, sample[None], batch)
+        return cls(ours, rough, theirs, graph, graph.edge_index, sample[None], batch)
 
     def published(self, x: Tensor) -> Tensor:
         """Return what the published network makes of each sample, one after another."""
@@ -102,6 +107,10 @@ class Pair:
     def shared(self, x: Tensor) -> Tensor:
         """Return what ours makes of them together."""
         return self.ours(x, self.graph)
+
+    def rounded(self, x: Tensor) -> Tensor:
+        """Return the same in bfloat16."""
+        return self.rough(x, self.graph)
 
 
 def step(network: Network, batch: Tensor) -> None:
@@ -123,19 +132,16 @@ def compare(folder: Path, dataset: int, options: argparse.Namespace) -> None:
 
 
 def time_forward(pair: Pair, dataset: int, repeats: int, clock: Clock) -> None:
-    published, shared = pair.published, pair.shared
+    passes = [pair.published, pair.shared, pair.rounded]
     with torch.inference_mode():
-        exact = shared(pair.sample)
-        apart = float((exact - published(pair.sample)).abs().max())
-        print(f"dataset {dataset}: outputs {apart:.1e} mm apart")
-        both = [lambda: published(pair.sample), lambda: shared(pair.sample)]
-        seconds = medians(both, repeats, clock)
-        print_row("forward, 1 sample", seconds)
-        set_precision(pair.ours, "bfloat16")
-        off = float((shared(pair.sample) - exact).norm(dim=-1).mean())
-        seconds[1:] = medians(both[1:], repeats, clock)
-        print_row(f"the same, bfloat16 ({off:.4f} mm off)", seconds)
-        set_precision(pair.ours, "float32")
+        expected, exact, rounded = (one(pair.sample) for one in passes)
+        apart = float((exact - expected).abs().max())
+        off = float((rounded - exact).norm(dim=-1).mean())
+        calls = [partial(one, pair.sample) for one in passes]
+        theirs, ours, rough = medians(calls, repeats, clock)
+    print(f"dataset {dataset}: outputs {apart:.1e} mm apart")
+    print_row("forward, 1 sample", theirs, ours)
+    print_row(f"the same, bfloat16 ({off:.4f} mm off)", theirs, rough)
 
 
 def time_steps(pair: Pair, repeats: int, clock: Clock) -> None:
@@ -145,15 +151,14 @@ def time_steps(pair: Pair, repeats: int, clock: Clock) -> None:
     apart = gradients_apart(pair.ours, pair.theirs.our_gradients())
     print(f"gradients {apart:.1e} of the largest apart")
     steps = [
-        lambda: step(pair.published, batch[:1]),
-        lambda: step_as_in_training(pair.shared, batch),
+        partial(step, pair.published, batch[:1]),
+        partial(step_as_in_training, pair.shared, batch),
+        partial(step_as_in_training, pair.rounded, batch),
     ]
     with reused_memory():
-        one, all_of_them = medians(steps, repeats, clock)
-        set_precision(pair.ours, "bfloat16")
-        (rough,) = medians(steps[1:], repeats, clock)
-    print_row(f"training step, batch {size}, a sample", [one, all_of_them / size])
-    print_row("the same, bfloat16", [one, rough / size])
+        theirs, ours, rough = medians(steps, repeats, clock)
+    print_row(f"training step, batch {size}, a sample", theirs, ours / size)
+    print_row("the same, bfloat16", theirs, rough / size)
 
 
 def gradients_apart(network: nn.Module, expected: dict[str, Tensor]) -> float:
@@ -166,8 +171,7 @@ def gradients_apart(network: nn.Module, expected: dict[str, Tensor]) -> float:
     return max(float(difference) for difference in differences) / scale
 
 
-def print_row(what: str, seconds: list[float]) -> None:
-    theirs, ours = seconds
+def print_row(what: str, theirs: float, ours: float) -> None:
     print(f"  {what:<38}{theirs:9.3f} s {ours:9.3f} s {theirs / ours:7.1f} times")
 
 
