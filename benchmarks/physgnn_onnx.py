@@ -8,6 +8,7 @@ outputs are apart, medians, and the size of the file.
 
 import argparse
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.learning.onnx_export import write_onnx
 from physgnn.learning.published import load_published
-from physgnn_speed import CASES, medians
+from physgnn_speed import CASES, medians, second_call
 
 
 def session_of(file: Path, threads: int) -> onnxruntime.InferenceSession:
@@ -43,13 +44,12 @@ def compare(
         features = torch.from_numpy(x)
         theirs = session.run(None, {"features": x})[0]
         apart = abs(theirs - network(features, graph).numpy()).max()
-        seconds = medians(
-            [
-                lambda: session.run(None, {"features": x}),
-                lambda: network(features, graph),
-            ],
-            options.repeats,
+        calls = (
+            lambda: session.run(None, {"features": x}),
+            lambda: network(features, graph),
         )
+        timings = [partial(second_call, call) for call in calls]
+        seconds = medians(timings, options.repeats)
     print(
         f"configuration {configuration}, dataset {dataset}: {apart:.1e} mm apart; "
         f"onnxruntime {seconds[0]:.3f} s, ours {seconds[1]:.3f} s; {size:.1f} MB"

@@ -1,13 +1,12 @@
-"""PhysGNN as published (PyTorch Geometric) against ours, taking turns in one process.
+"""PhysGNN as published (PyTorch Geometric) against ours, taking turns.
 
     python benchmarks/physgnn_speed.py ../shared/paper --threads 2 --repeats 5
 
 The folder holds the published weights and ``golden_forward.npz`` (a mesh, inputs and
 the outputs expected of them). Prints medians, and how far the outputs are apart.
 The published network takes a batch one sample after another, so it is timed on one.
-Each dataset has a process of its own, forward passes before training steps: what was
-computed before decides how much memory the process already has, and fresh memory is
-half of the published network's time.
+Each has a process of its own, so that what one leaves in memory costs the other
+nothing, and a turn is two calls, of which the second is timed.
 On a busy machine, ``--threads 1 --processor-time`` counts only what the process gets.
 (A file ``benchmarks/physgnn.py`` would hide the package from every benchmark.)
 """
@@ -17,20 +16,21 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
-from copy import deepcopy
-from dataclasses import dataclass
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
-from torch import Tensor, nn
+from numpy.typing import NDArray
+from torch import Tensor
 
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.learning.losses import mean_euclidean
-from physgnn.learning.physgnn import PhysGNN
 from physgnn.learning.precision import set_precision
 from physgnn.learning.published import load_published
 from physgnn.learning.threads import only_side_by_side
@@ -39,28 +39,27 @@ from physgnn.learning.workspace import reused_memory
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
-    from learning.reference import ReferencePhysGNN, reference_of
+    from learning.reference import reference_of
 
+Array = NDArray[np.float32]
 Clock = Callable[[], float]
-Network = Callable[[Tensor], Tensor]
 
 # Dataset: best configuration, published batch size.
 CASES = {1: (9, 4), 2: (3, 8)}
 
 
-def medians(
-    functions: list[Callable[[], object]],
-    repeats: int,
-    clock: Clock = time.perf_counter,
-) -> list[float]:
-    """Return each function's median time in s; they take turns."""
-    seconds: list[list[float]] = [[] for _ in functions]
-    for _ in range(repeats):
-        for function, values in zip(functions, seconds, strict=True):
-            start = clock()
-            function()
-            values.append(clock() - start)
-    return [float(np.median(values)) for values in seconds]
+def medians(timings: list[Callable[[], float]], repeats: int) -> list[float]:
+    """Return the median of each one's seconds; they take turns."""
+    seconds = [[timing() for timing in timings] for _ in range(repeats)]
+    return [float(np.median(values)) for values in zip(*seconds, strict=True)]
+
+
+def second_call(call: Callable[[], object], clock: Clock = time.perf_counter) -> float:
+    """Return the seconds of a call that follows another."""
+    call()
+    start = clock()
+    call()
+    return clock() - start
 
 
 def batch_of(x: Tensor, size: int) -> Tensor:
@@ -71,108 +70,138 @@ def batch_of(x: Tensor, size: int) -> Tensor:
     return batch
 
 
-@dataclass(frozen=True)
-class Pair:
-    """The published network and ours, exact and rounded, and what to give them."""
+class Ours:
+    """Our network with the published weights, and what to give it."""
 
-    ours: PhysGNN
-    rough: PhysGNN
-    theirs: ReferencePhysGNN
-    graph: Graph
-    edges: Tensor
-    sample: Tensor
-    batch: Tensor
-
-    @classmethod
-    def read(cls, folder: Path, dataset: int) -> "Pair":
-        """Load a dataset's published weights into both."""
+    def __init__(
+        self, dataset: int, given: argparse.Namespace, precision: str = "float32"
+    ) -> None:
+        torch.set_num_threads(given.threads)
+        self.clock = time.process_time if given.processor_time else time.perf_counter
         configuration, batch_size = CASES[dataset]
-        golden = np.load(folder / "golden_forward.npz")
+        golden = np.load(given.folder / "golden_forward.npz")
         mesh = TetMesh(golden["points"], golden["cells"], golden["region"])
-        weights = folder / f"config{configuration}_dataset{dataset}.pt"
-        ours = load_published(weights, configuration=configuration, dataset=dataset)
-        rough = deepcopy(ours)
-        set_precision(rough, "bfloat16")
-        theirs = reference_of(ours, configuration, dataset)
-        graph = Graph.from_mesh(mesh)
-        sample = torch.from_numpy(golden[f"x_{dataset}"])
-        batch = batch_of(sample, batch_size)
-        return cls(ours, rough, theirs, graph, graph.edge_index, sample[None], batch)
+        weights = given.folder / f"config{configuration}_dataset{dataset}.pt"
+        self.network = load_published(
+            weights, configuration=configuration, dataset=dataset
+        )
+        set_precision(self.network, precision)
+        self.graph = Graph.from_mesh(mesh)
+        self.sample = torch.from_numpy(golden[f"x_{dataset}"])
+        self.batch = batch_of(self.sample, batch_size)
 
-    def published(self, x: Tensor) -> Tensor:
-        """Return what the published network makes of each sample, one after another."""
+    def forward(self, x: Tensor) -> Tensor:
+        """Return displacement of each sample."""
+        return self.network(x, self.graph)
+
+    def step(self, batch: Tensor) -> None:
+        """Add to the gradients."""
+        zeros = torch.zeros(*batch.shape[:2], 3)
+        mean_euclidean(self.forward(batch), zeros).backward()
+
+    def outputs(self) -> Array:
+        """Return the sample's displacement, mm."""
+        with torch.inference_mode():
+            return self.forward(self.sample[None])[0].numpy()
+
+    def gradients(self) -> dict[str, Array]:
+        """Return the gradients by two samples."""
+        self.step(self.batch[:2])
+        return {name: w.grad.numpy() for name, w in self.network.named_parameters()}
+
+    def forward_seconds(self) -> float:
+        """Time a forward pass."""
+        with torch.inference_mode():
+            return second_call(partial(self.forward, self.sample[None]), self.clock)
+
+    def step_seconds(self) -> float:
+        """Time a training step as in training, a sample."""
+        with reused_memory(), only_side_by_side():
+            seconds = second_call(partial(self.step, self.batch), self.clock)
+        return seconds / len(self.batch)
+
+
+class Published(Ours):
+    """The published network with the published weights."""
+
+    def __init__(self, dataset: int, given: argparse.Namespace) -> None:
+        super().__init__(dataset, given)
+        self.edges = self.graph.edge_index
+        self.theirs = reference_of(self.network, CASES[dataset][0], dataset)
+
+    def forward(self, x: Tensor) -> Tensor:
+        """Return displacement of each sample, one after another."""
         weight = self.graph.weight
         return torch.stack([self.theirs(sample, self.edges, weight) for sample in x])
 
-    def shared(self, x: Tensor) -> Tensor:
-        """Return what ours makes of them together."""
-        return self.ours(x, self.graph)
+    def gradients(self) -> dict[str, Array]:
+        """Return the gradients by two samples, by our parameters' names."""
+        self.step(self.batch[:2])
+        of_theirs = self.theirs.our_gradients()
+        return {name: gradient.numpy() for name, gradient in of_theirs.items()}
 
-    def rounded(self, x: Tensor) -> Tensor:
-        """Return the same in bfloat16."""
-        return self.rough(x, self.graph)
-
-
-def step(network: Network, batch: Tensor) -> None:
-    zeros = torch.zeros(*batch.shape[:2], 3)
-    mean_euclidean(network(batch), zeros).backward()
+    def step_seconds(self) -> float:
+        """Time a training step of one sample."""
+        return second_call(partial(self.step, self.batch[:1]), self.clock)
 
 
-def step_as_in_training(network: Network, batch: Tensor) -> None:
-    with only_side_by_side():
-        step(network, batch)
+SIDES: dict[str, Callable[..., Ours]] = {
+    "published": Published,
+    "ours": Ours,
+    "bfloat16": partial(Ours, precision="bfloat16"),
+}
+_side: list[Ours] = []  # of this process
 
 
-def compare(folder: Path, dataset: int, options: argparse.Namespace) -> None:
-    torch.set_num_threads(options.threads)
-    clock = time.process_time if options.processor_time else time.perf_counter
-    pair = Pair.read(folder, dataset)
-    time_forward(pair, dataset, options.repeats, clock)
-    time_steps(pair, options.repeats, clock)
+def begin(name: str, dataset: int, given: argparse.Namespace) -> None:
+    _side[:] = [SIDES[name](dataset, given)]
 
 
-def time_forward(pair: Pair, dataset: int, repeats: int, clock: Clock) -> None:
-    passes = [pair.published, pair.shared, pair.rounded]
-    with torch.inference_mode():
-        expected, exact, rounded = (one(pair.sample) for one in passes)
-        apart = float((exact - expected).abs().max())
-        off = float((rounded - exact).norm(dim=-1).mean())
-        calls = [partial(one, pair.sample) for one in passes]
-        theirs, ours, rough = medians(calls, repeats, clock)
-    print(f"dataset {dataset}: outputs {apart:.1e} mm apart")
-    print_row("forward, 1 sample", theirs, ours)
-    print_row(f"the same, bfloat16 ({off:.4f} mm off)", theirs, rough)
+def ask(what: str) -> Any:
+    return getattr(_side[0], what)()
 
 
-def time_steps(pair: Pair, repeats: int, clock: Clock) -> None:
-    batch, size = pair.batch, len(pair.batch)
-    step(pair.published, batch[:2])
-    step(pair.shared, batch[:2])
-    apart = gradients_apart(pair.ours, pair.theirs.our_gradients())
-    print(f"gradients {apart:.1e} of the largest apart")
-    steps = [
-        partial(step, pair.published, batch[:1]),
-        partial(step_as_in_training, pair.shared, batch),
-        partial(step_as_in_training, pair.rounded, batch),
-    ]
-    with reused_memory():
-        theirs, ours, rough = medians(steps, repeats, clock)
-    print_row(f"training step, batch {size}, a sample", theirs, ours / size)
-    print_row("the same, bfloat16", theirs, rough / size)
+def compare(dataset: int, given: argparse.Namespace) -> None:
+    with ExitStack() as stack:
+        asked = [
+            partial(stack.enter_context(process_of(name, dataset, given)).submit, ask)
+            for name in SIDES
+        ]
+
+        def answers(what: str) -> list[Any]:
+            return [ask_it(what).result() for ask_it in asked]
+
+        def seconds(what: str) -> list[float]:
+            timings = [lambda ask_it=ask_it: ask_it(what).result() for ask_it in asked]
+            return medians(timings, given.repeats)
+
+        published, ours, rough = answers("outputs")
+        print(f"dataset {dataset}: outputs {abs(ours - published).max():.1e} mm apart")
+        off = np.linalg.norm(rough - ours, axis=1).mean()
+        print_rows("forward, 1 sample", seconds("forward_seconds"))
+        print(f"  bfloat16 is {off:.4f} mm off")
+        print(f"gradients {gradients_apart(*answers('gradients')[:2]):.1e} apart")
+        size = CASES[dataset][1]
+        print_rows(f"training step, batch {size}, a sample", seconds("step_seconds"))
 
 
-def gradients_apart(network: nn.Module, expected: dict[str, Tensor]) -> float:
+def process_of(
+    name: str, dataset: int, given: argparse.Namespace
+) -> ProcessPoolExecutor:
+    context = get_context("spawn")
+    return ProcessPoolExecutor(1, context, begin, (name, dataset, given))
+
+
+def gradients_apart(theirs: dict[str, Array], ours: dict[str, Array]) -> float:
     """Return the largest difference over the largest gradient."""
-    scale = max(float(gradient.abs().max()) for gradient in expected.values())
-    differences = (
-        (parameter.grad - expected[name]).abs().max()
-        for name, parameter in network.named_parameters()
-    )
-    return max(float(difference) for difference in differences) / scale
+    scale = max(abs(gradient).max() for gradient in theirs.values())
+    return float(max(abs(ours[name] - theirs[name]).max() for name in ours) / scale)
 
 
-def print_row(what: str, theirs: float, ours: float) -> None:
-    print(f"  {what:<38}{theirs:9.3f} s {ours:9.3f} s {theirs / ours:7.1f} times")
+def print_rows(what: str, seconds: list[float]) -> None:
+    theirs, *others = seconds
+    for name, ours in zip((what, "  the same, bfloat16"), others, strict=True):
+        print(f"  {name:<38}{theirs:9.3f} s {ours:9.3f} s {theirs / ours:7.1f} times")
 
 
 def main() -> None:
@@ -182,16 +211,10 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--datasets", type=int, nargs="+", default=list(CASES))
     parser.add_argument("--processor-time", action="store_true")
-    options = parser.parse_args()
+    given = parser.parse_args()
     print(f"{'':40}{'published':>11} {'ours':>11} {'faster':>9}", flush=True)
-    for dataset in options.datasets:
-        of_its_own = get_context("spawn").Process(
-            target=compare, args=(options.folder, dataset, options)
-        )
-        of_its_own.start()
-        of_its_own.join()
-        if of_its_own.exitcode:
-            sys.exit(of_its_own.exitcode)
+    for dataset in given.datasets:
+        compare(dataset, given)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import linear, prelu
 
-from physgnn.learning.dense import dense
+from physgnn.learning.dense import dense, one_by_one
 
 
 def example(generator: torch.Generator) -> list[Tensor]:
@@ -40,3 +40,16 @@ def test_takes_the_first_rows_of_more() -> None:
     torch.testing.assert_close(
         dense([x[:, :4]], [of_x], bias, slope), dense([x], [of_x], bias, slope)[:, :4]
     )
+
+
+def test_other_devices_do_one_after_the_other_to_the_same() -> None:
+    bias, slope, x, y, of_x, of_y = example(torch.Generator().manual_seed(2))
+    given = (x, y), (of_x, of_y), bias, slope
+    torch.testing.assert_close(one_by_one(*given), dense(*given))
+
+
+def test_without_a_way_back_it_is_the_same() -> None:
+    bias, slope, x, _, of_x, _ = example(torch.Generator().manual_seed(3))
+    expected = dense([x], [of_x], bias, slope)
+    with torch.inference_mode():
+        torch.testing.assert_close(dense([x], [of_x], bias, slope), expected)

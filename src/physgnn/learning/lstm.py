@@ -8,12 +8,21 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
+import numpy as np
 import torch
 from torch import Tensor
 from torch.autograd.function import once_differentiable
 
 from physgnn.learning.lstm_blocks import Block, Layout, blocks_of
-from physgnn.learning.lstm_data import Given, Weights
+from physgnn.learning.lstm_data import (
+    Array,
+    Given,
+    StepWeights,
+    Weights,
+    arrays_of,
+    as_array,
+    blank_like,
+)
 from physgnn.learning.lstm_steps import Back, Found, read, read_back
 from physgnn.learning.threads import n_threads, side_by_side
 from physgnn.learning.workspace import give_back, scratch, take
@@ -38,7 +47,7 @@ PLAIN = Way()
 
 
 def lstm(
-    given: Given, weights: Weights, way: Way, *, end: bool = False
+    given: Given[Tensor], weights: Weights, way: Way, *, end: bool = False
 ) -> tuple[Tensor, ...]:
     """Read sequences and score the hidden state after every step.
 
@@ -74,7 +83,7 @@ class _LSTM(torch.autograd.Function):
         reading = Reading(tensors, way)
         found = reading.room(end)
         kept = take(reading.n_bytes) if way.keep else None
-        side_by_side(partial(reading.ahead, kept, found), reading.parts)
+        side_by_side(partial(reading.ahead, kept, _arrays(found)), reading.parts)
         ctx.save_for_backward(*tensors, kept)
         ctx.way = way
         return found
@@ -85,9 +94,10 @@ class _LSTM(torch.autograd.Function):
         *tensors, kept = ctx.saved_tensors
         reading = Reading(tensors, ctx.way)
         of_found = tuple(grad.contiguous() for grad in grads)
-        of_given = reading.given.blank()
+        of_given = blank_like(reading.given)
         parts = side_by_side(
-            partial(reading.back, kept, of_found, of_given), reading.parts
+            partial(reading.back, kept, _arrays(of_found), arrays_of(of_given)),
+            reading.parts,
         )
         if kept is not None:
             give_back(kept)
@@ -100,9 +110,12 @@ class Reading:
 
     def __init__(self, tensors: Sequence[Any], way: Way) -> None:
         tensors = [None if x is None else x.detach() for x in tensors]
-        weights, self.given = Weights(*tensors[:3]), Given.of(tensors[3:])
+        weights = Weights(*tensors[:3])
         dtype = way.precision or weights.matrix.dtype
         self.weights = weights._replace(matrix=weights.matrix.to(dtype))
+        self.by_step = StepWeights.of(self.weights)
+        self.given: Given[Tensor] = Given.of(tensors[3:])
+        self.arrays = arrays_of(self.given)
         self.layout = Layout(weights.size, dtype, weights.bias.dtype)
         self.batch = len(self.given.own[0])
         self.parts, self.n_bytes = blocks_of(
@@ -117,7 +130,7 @@ class Reading:
         return scores, *(like.new_empty(*shape, size) for _ in range(2 * end))
 
     def ahead(
-        self, kept: Tensor | None, found: Sequence[Tensor], part: Sequence[Block]
+        self, kept: Tensor | None, found: Sequence[Array], part: Sequence[Block]
     ) -> None:
         """Read some blocks."""
         room = self._scratch(part) if kept is None else kept
@@ -125,31 +138,31 @@ class Reading:
             states = self.layout.states(
                 room, block, 0 if kept is None else block.offset
             )
-            here = _on(block, found)
-            given, back = self.given.on(block), kept is not None
-            read(block, given, self.weights, states, here, back=back)
+            given, here = self.arrays.on(block), _on(block, found)
+            read(block, given, self.by_step, states, here, back=kept is not None)
 
     def back(
         self,
         kept: Tensor | None,
-        of_found: Sequence[Tensor],
-        of_given: Given,
+        of_found: Sequence[Array],
+        of_given: Given[Array],
         part: Sequence[Block],
     ) -> Weights:
         """Return the weights' gradient by some blocks; fill in that of the given."""
         like = self.weights.bias.dtype
         of_weights = Weights(*(torch.zeros_like(w, dtype=like) for w in self.weights))
+        of_steps = StepWeights.of(of_weights)
         room = self._scratch(part) if kept is None else kept
         for block in part:
             states = self.layout.states(
                 room, block, 0 if kept is None else block.offset
             )
-            given, of_here = self.given.on(block), _on(block, of_found)
+            given, of_here = self.arrays.on(block), _on(block, of_found)
             if kept is None:
-                here = Found(torch.empty_like(of_here.scores))
-                read(block, given, self.weights, states, here, back=True)
-            of = Back(of_here, of_given.on(block), of_weights)
-            read_back(block, given, self.weights, states, of)
+                here = Found(np.empty_like(of_here.scores))
+                read(block, given, self.by_step, states, here, back=True)
+            of = Back(of_here, of_given.on(block), of_steps)
+            read_back(block, given, self.by_step, states, of)
         return of_weights
 
     def _scratch(self, part: Sequence[Block]) -> Tensor:
@@ -157,8 +170,12 @@ class Reading:
         return scratch(max(self.layout.n_bytes(block) for block in part))
 
 
-def _on(block: Block, found: Sequence[Tensor]) -> Found:
+def _arrays(tensors: Sequence[Tensor]) -> Sequence[Array]:
+    return [as_array(tensor.detach()) for tensor in tensors]
+
+
+def _on(block: Block, found: Sequence[Array]) -> Found:
     scores, *state = found
     hidden, cell = (x[block.place] for x in state) if state else (None, None)
     end = None if hidden is None or cell is None else (hidden, cell)
-    return Found(scores[:, *block.place], end)
+    return Found(scores[:, block.sample, block.rows], end)

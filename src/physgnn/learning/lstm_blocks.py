@@ -76,9 +76,11 @@ class Layout(NamedTuple):
     def states(self, buffer: Tensor, block: Block, offset: int) -> States:
         """Return the states of a block that begin at an offset of the buffer."""
         states = States([], [])
+        seen_as = {dtype: buffer.view(dtype) for dtype in (self.products, self.cells)}
         for columns, dtype, n_bytes in self._tensors(block):
-            vector = buffer[offset : offset + n_bytes].view(dtype)
-            found = vector[: len(block) * columns].view(-1, columns)
+            shape, strides = (len(block), columns), (columns, 1)
+            place = offset // dtype.itemsize
+            found = seen_as[dtype].as_strided(shape, strides, place)
             (states.cells if columns == self.size else states.gates).append(found)
             offset += n_bytes
         return states

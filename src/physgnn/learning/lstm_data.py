@@ -1,12 +1,24 @@
 """What an LSTM is given: its weights; inputs and a start, each sample's own or not."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from physgnn.learning.lstm_blocks import Block
+
+Array = NDArray[np.generic]
+Rows = TypeVar("Rows", bound=Tensor | Array)
+
+
+def as_array(tensor: Tensor) -> Array:
+    """Return a tensor's memory as an array; bfloat16 as uint16."""
+    bits = tensor.view(torch.uint16) if tensor.dtype == torch.bfloat16 else tensor
+    array: Array = bits.numpy()
+    return array
 
 
 class Weights(NamedTuple):
@@ -37,19 +49,74 @@ class Weights(NamedTuple):
         """Columns of the input."""
         return self.matrix.shape[1] - self.size
 
-    def part(self, k: int, *, own: bool) -> tuple[slice, slice]:
-        """Return the rows and columns of the matrix that count at a step.
 
-        At rest there is nothing to forget, and no hidden state; where samples have the
-        input in common, its product is given.
-        """
+class Part(NamedTuple):
+    """What of the weights counts at a step, sharing their memory.
+
+    Attributes
+    ----------
+    columns : slice
+        Of the inputs and hidden states, side by side.
+    matrix : (3·size or 4·size, n) tensor
+    bias : (1, 3·size or 4·size) array
+    """
+
+    columns: slice
+    matrix: Tensor
+    bias: Array
+
+
+class StepWeights(NamedTuple):
+    """An LSTM's weights as its steps take them, sharing their memory.
+
+    Attributes
+    ----------
+    width, size : int
+        Columns of the input and of the hidden state.
+    score : (size,) array
+    first : Part
+        At rest there is nothing to forget, and no hidden state.
+    own, common : Part
+        Of other steps. What samples have in common has its products given.
+    """
+
+    width: int
+    size: int
+    score: Array
+    first: Part
+    own: Part
+    common: Part
+
+    @classmethod
+    def of(cls, weights: Weights) -> "StepWeights":
+        """Cut an LSTM's weights."""
+        width, size = weights.width, weights.size
+
+        def part(rows: slice, columns: slice) -> Part:
+            bias = as_array(weights.bias)[None, rows]
+            return Part(columns, weights.matrix[rows, columns], bias)
+
+        every = slice(None)
+        return cls(
+            width,
+            size,
+            as_array(weights.score),
+            part(slice(size, None), slice(width)),
+            part(every, every),
+            part(every, slice(width, None)),
+        )
+
+    def at(self, k: int, *, own: bool) -> Part:
+        """Return what counts at a step."""
         if k == 0:
-            return slice(self.size, None), slice(self.width)
-        return slice(None), slice(0 if own else self.width, None)
+            return self.first
+        return self.own if own else self.common
 
 
-class Given(NamedTuple):
+class Given(NamedTuple, Generic[Rows]):
     """What an LSTM reads and where it starts; or the gradients of these.
+
+    Tensors, or arrays that share their memory: those are quicker to take rows of.
 
     Attributes
     ----------
@@ -63,9 +130,9 @@ class Given(NamedTuple):
         come first. Points before these start from rest.
     """
 
-    own: tuple[Tensor, ...]
-    products: tuple[Tensor | None, ...]
-    start: tuple[Tensor, Tensor] | None = None
+    own: tuple[Rows, ...]
+    products: tuple[Rows | None, ...]
+    start: tuple[Rows, Rows] | None = None
 
     @property
     def counts(self) -> tuple[int, ...]:
@@ -73,28 +140,22 @@ class Given(NamedTuple):
         return tuple(x.shape[1] for x in self.own)
 
     @classmethod
-    def of(cls, tensors: Sequence[Any]) -> "Given":
+    def of(cls, rows: Sequence[Any]) -> "Given[Rows]":
         """Undo `flat`."""
-        n = (len(tensors) - 2) // 2
-        hidden, cell = tensors[-2:]
+        n = (len(rows) - 2) // 2
+        hidden, cell = rows[-2:]
         start = None if hidden is None else (hidden, cell)
-        return cls(tuple(tensors[:n]), tuple(tensors[n:-2]), start)
+        return cls(tuple(rows[:n]), tuple(rows[n:-2]), start)
 
-    def flat(self) -> tuple[Tensor | None, ...]:
+    def flat(self) -> tuple[Rows | None, ...]:
         """Return all of it as one tuple."""
         return (*self.own, *self.products, *(self.start or (None, None)))
 
-    def blank(self) -> "Given":
-        """Return room for gradients; those of what samples have in common are 0."""
-        common = self.flat()[len(self.own) :]
-        zeros = [None if x is None else torch.zeros_like(x) for x in common]
-        return Given.of([*map(torch.empty_like, self.own), *zeros])
-
-    def on(self, block: Block) -> "Given":
+    def on(self, block: Block) -> "Given[Rows]":
         """Return the rows of a block."""
         rows, n = block.rows, max(self.counts)
 
-        def common(x: Tensor | None) -> Tensor | None:
+        def common(x: Rows | None) -> Any:
             first = n if x is None else n - len(x)
             if x is None or rows.start < first:
                 return None
@@ -102,3 +163,15 @@ class Given(NamedTuple):
 
         own, rest = self.own, self.flat()[len(self.own) :]
         return Given.of([*(x[block.place] for x in own), *map(common, rest)])
+
+
+def arrays_of(given: Given[Tensor]) -> Given[Array]:
+    """Return the arrays that share the memory of what is given."""
+    return Given.of([None if x is None else as_array(x) for x in given.flat()])
+
+
+def blank_like(given: Given[Tensor]) -> Given[Tensor]:
+    """Return room for gradients; those of what samples have in common are 0."""
+    common = given.flat()[len(given.own) :]
+    zeros = [None if x is None else torch.zeros_like(x) for x in common]
+    return Given.of([*map(torch.empty_like, given.own), *zeros])

@@ -163,6 +163,14 @@ def step_back(gates, score, state, of_scores, of):  # type: ignore[no-untyped-de
         put(hidden, inputs[row, first:])
 
 
+@compiled
+def copy_rows(values, where):  # type: ignore[no-untyped-def]
+    """Copy rows of (n, columns), rounded or widened as the others are."""
+    scratch = np.empty(values.shape[1], np.float32)
+    for row in range(len(values)):
+        put(floats(values[row], scratch), where[row])
+
+
 @njit(inline="always")
 def twice(x: Any) -> Any:
     """Return 2x without the float64 that a literal 2 would make of float32."""

@@ -12,6 +12,7 @@ from physgnn.learning.dropout import SampleDropout
 from physgnn.learning.graph import Graph
 from physgnn.learning.pruning import Pruning, Rest, filled
 from physgnn.learning.threads import only_side_by_side
+from physgnn.learning.workspace import keep_freed_memory
 
 N_INPUTS = 7
 LAYERS_A_BLOCK = 3
@@ -101,6 +102,7 @@ class PhysGNN(nn.Module):
             single: Tensor = self(x[None], graph)[0]
             return single
         graph.check_rows(x)
+        keep_freed_memory()
         with only_side_by_side():
             last = self.pruning.last_output(self, x, graph)
             if last is None:
