@@ -1,3 +1,6 @@
+import platform
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -58,3 +61,30 @@ def test_a_thread_works_in_one_buffer_that_grows() -> None:
 
 def test_uses_of_scratch_have_buffers_of_their_own() -> None:
     assert scratch(10, "inputs").data_ptr() != scratch(10, "states").data_ptr()
+
+
+FRESH_PAGES = """
+import resource
+import torch
+from physgnn.learning.workspace import keep_freed_memory
+
+if {keep}:
+    keep_freed_memory()
+
+def pages():
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    blocks = [torch.ones(3 * 2**18) for _ in range(8)]  # 3 MB each
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+
+print([pages() for _ in range(6)][-1])
+"""
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="asks glibc to keep it")
+def test_freed_memory_is_kept_for_who_needs_some_next() -> None:
+    def pages(*, keep: bool) -> int:
+        code = [sys.executable, "-c", FRESH_PAGES.format(keep=keep)]
+        return int(subprocess.run(code, capture_output=True, check=True).stdout)
+
+    assert pages(keep=False) > 1000
+    assert pages(keep=True) < 100
