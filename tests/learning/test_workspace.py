@@ -68,23 +68,19 @@ import resource
 import torch
 from physgnn.learning.workspace import keep_freed_memory
 
-if {keep}:
-    keep_freed_memory()
-
 def pages():
     before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
     blocks = [torch.ones(3 * 2**18) for _ in range(8)]  # 3 MB each
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
 
+keep_freed_memory()
 print([pages() for _ in range(6)][-1])
 """
 
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="asks glibc to keep it")
 def test_freed_memory_is_kept_for_who_needs_some_next() -> None:
-    def pages(*, keep: bool) -> int:
-        code = [sys.executable, "-c", FRESH_PAGES.format(keep=keep)]
-        return int(subprocess.run(code, capture_output=True, check=True).stdout)
-
-    assert pages(keep=False) > 1000
-    assert pages(keep=True) < 100
+    """Else each round takes 6000 pages, unless an import happened to free as much."""
+    code = [sys.executable, "-c", FRESH_PAGES]
+    printed = subprocess.run(code, capture_output=True, check=True).stdout
+    assert int(printed) < 100

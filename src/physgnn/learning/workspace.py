@@ -70,8 +70,9 @@ def scratch(n_bytes: int, use: str = "") -> Tensor:
     """
     kept: dict[str, Tensor] = _own.__dict__.setdefault("buffers", {})
     if use not in kept or len(kept[use]) < n_bytes:
+        lines = -(-n_bytes // ALIGNMENT)  # whole ones, to be seen as any type
         with torch.inference_mode(False):  # or only predictions could write to it
-            kept[use] = torch.empty(n_bytes, dtype=torch.uint8)
+            kept[use] = torch.empty(lines * ALIGNMENT, dtype=torch.uint8)
     return kept[use]
 
 
