@@ -1,74 +1,121 @@
-"""The networks there are: one row each.
+"""The methods there are: one row each, and the way to name one of your own.
 
-How a network plugs in is written in :mod:`physgnn.learning.interface`.
+What a method owes is written in :mod:`physgnn.learning.surrogate`.
 """
 
+import importlib
 import inspect
+import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from physgnn.errors import InputError
-from physgnn.learning.galerkin import GalerkinModel
-from physgnn.learning.interface import Body, Model
-from physgnn.learning.lifted import LiftedModel
-from physgnn.learning.physgnn_model import PhysGNNModel
-from physgnn.learning.reduced import ReducedModel
+from physgnn.learning.surrogate import Surrogate
+from physgnn.mechanics.body import Body
 
-MODELS: Mapping[str, type[Model]] = {
-    "galerkin": GalerkinModel,
-    "lifted": LiftedModel,
-    "physgnn": PhysGNNModel,
-    "reduced": ReducedModel,
+MODELS: Mapping[str, str] = {
+    "zero": "physgnn.learning.baselines.zero:Zero",
+    "linear": "physgnn.learning.baselines.linear:Linear",
+    "level_interpolation": (
+        "physgnn.learning.baselines.level_interpolation:LevelInterpolation"
+    ),
+    "pod_network": "physgnn.learning.classical.pod_network:PODNetwork",
+    "extra_trees": "physgnn.learning.classical.extra_trees:ExtraTrees",
+    "nodal_network": "physgnn.learning.classical.nodal_network:NodalNetwork",
+    "galerkin": "physgnn.learning.galerkin:GalerkinModel",
+    "reduced": "physgnn.learning.reduced:ReducedModel",
+    "finite_element": "physgnn.learning.baselines.finite_element:FiniteElement",
+    "lifted": "physgnn.learning.lifted:LiftedModel",
+    "physgnn": "physgnn.learning.physgnn_model:PhysGNNModel",
 }
-FITTED = ("galerkin", "reduced")  # no weights to train: `physgnn.learning.fitting`
+"""From a method's name to its class, which is imported when first asked for."""
 
 
-def build_model(name: str, body: Body, **options: Any) -> Model:
-    """Return an untrained model.
+def build_model(name: str, body: Body, **options: Any) -> Surrogate:
+    """Return a surrogate that is not fitted yet.
 
     Parameters
     ----------
     name : str
-        A row of ``MODELS``.
+        A row of ``MODELS``, or ``module:Class``.
     body : Body
         What it's made for.
     **options
-        The model's own keyword arguments, such as ``configuration=3``.
+        The method's own keyword arguments, such as ``configuration=3``.
 
     Raises
     ------
     InputError
-        If there's no such model, the model has no such option, or doesn't know the
+        If there's no such method, the method has no such option, or doesn't know the
         body's elements.
     """
-    options = resolved_options(name, options)
-    if body.element not in MODELS[name].elements:
+    options, method = resolved_options(name, options), model_class(name)
+    if body.element not in method.elements:
         raise InputError(
-            f"model '{name}' knows {', '.join(MODELS[name].elements)} elements (got "
+            f"model '{name}' knows {', '.join(method.elements)} elements (got "
             f"{body.element}): train model lifted, or simulate with those"
         )
-    return MODELS[name](body, **options)
+    return method(body, **options)
 
 
 def resolved_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return all options of a model: those given, and the defaults of the others.
+    """Return all options of a method: those given, and the defaults of the others.
 
     Raises
     ------
     InputError
-        If there's no such model, or the model has no such option.
+        If there's no such method, or the method has no such option.
     """
-    parameters = inspect.signature(MODELS[_checked(name)]).parameters.values()
+    parameters = inspect.signature(model_class(name)).parameters.values()
     known = {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
     unknown = sorted(set(options) - set(known))
     if unknown:
         raise InputError(
-            f"model '{name}' has no option '{unknown[0]}' (it has: {', '.join(known)})"
+            f"model '{name}' has no option '{unknown[0]}' "
+            f"(it has: {', '.join(known) or 'none'})"
         )
     return {**known, **options}
 
 
-def _checked(name: str) -> str:
-    if name not in MODELS:
-        raise InputError(f"no model '{name}' (there are: {', '.join(sorted(MODELS))})")
-    return name
+def is_model(name: str) -> bool:
+    """Return whether a name is a row of ``MODELS`` or reads ``module:Class``."""
+    module, colon, attribute = name.partition(":")
+    return name in MODELS or bool(module and colon and attribute)
+
+
+def model_class(name: str) -> type[Surrogate]:
+    """Return the class of a method.
+
+    Parameters
+    ----------
+    name : str
+        A row of ``MODELS``, or ``module:Class``. The module is looked for as every
+        import is, and at last in the working directory.
+
+    Raises
+    ------
+    InputError
+        If there's no such method, or it cannot be imported.
+    """
+    if not is_model(name):
+        raise InputError(
+            f"no model '{name}' (there are: {', '.join(sorted(MODELS))}; name one of "
+            "your own as module:Class)"
+        )
+    module, _, attribute = MODELS.get(name, name).partition(":")
+    if name not in MODELS and str(Path.cwd()) not in sys.path:
+        sys.path.append(str(Path.cwd()))
+    try:
+        found = getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise InputError(
+            f"model '{name}' cannot be imported ({error}): name module:Class, with the "
+            "module on PYTHONPATH or in the working directory"
+        ) from error
+    if not (isinstance(found, type) and issubclass(found, Surrogate)):
+        raise InputError(
+            f"model '{name}' must be a class derived from "
+            f"physgnn.learning.surrogate.Surrogate (got {found!r})"
+        )
+    return found

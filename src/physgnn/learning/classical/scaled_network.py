@@ -1,0 +1,80 @@
+"""A small multilayer perceptron, scikit-learn's, made to work in float32."""
+
+import warnings
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.neural_network import MLPRegressor
+
+from physgnn.learning.classical.estimator import Rows
+from physgnn.learning.surrogate import Arrays
+
+
+class ScaledNetwork:
+    """A small multilayer perceptron on standardised inputs, for a number of epochs.
+
+    Targets are counted from their mean, all in one unit, so that the squared error
+    keeps its meaning. Hidden layers are rectified. What is kept are the weights alone.
+
+    Parameters
+    ----------
+    hidden : tuple of int
+        Widths of the hidden layers.
+    epochs : int
+        Passes over the rows.
+    seed : int
+        Of weights and order.
+    """
+
+    def __init__(self, hidden: tuple[int, ...], *, epochs: int, seed: int) -> None:
+        self._hidden, self._epochs, self._seed = hidden, epochs, seed
+        self._layers: list[tuple[NDArray[np.float32], NDArray[np.float32]]] = []
+
+    def fit(self, inputs: Rows, targets: Rows) -> "ScaledNetwork":
+        """Learn from (n, n_inputs) and (n, n_targets)."""
+        self._middle, width = inputs.mean(axis=0), inputs.std(axis=0)
+        self._width = np.where(width > 0, width, 1.0).astype(np.float32)
+        self._mean = targets.mean(axis=0)
+        self._unit = np.float32((targets - self._mean).std() or 1.0)
+        network = MLPRegressor(
+            hidden_layer_sizes=self._hidden,
+            max_iter=self._epochs,
+            n_iter_no_change=self._epochs,
+            random_state=self._seed,
+        )
+        with warnings.catch_warnings():  # the epochs are a budget, not a failure
+            warnings.simplefilter("ignore", ConvergenceWarning)
+            network.fit(self._scaled(inputs), (targets - self._mean) / self._unit)
+        self._layers = list(zip(network.coefs_, network.intercepts_, strict=True))
+        return self
+
+    def predict(self, inputs: Rows) -> Rows:
+        """Return (n, n_targets)."""
+        found = self._scaled(inputs)
+        for weights, bias in self._layers[:-1]:
+            found = np.maximum(found @ weights + bias, 0.0)
+        weights, bias = self._layers[-1]
+        found = (found @ weights + bias) * self._unit + self._mean
+        return found
+
+    def _scaled(self, inputs: Rows) -> Rows:
+        scaled: Rows = (inputs - self._middle) / self._width
+        return scaled
+
+    def arrays(self) -> Arrays:
+        """Return scales, weights and biases."""
+        found = {"middle": self._middle, "width": self._width, "mean": self._mean}
+        found["unit"] = np.array([self._unit])
+        for i, (weights, bias) in enumerate(self._layers):
+            found |= {f"weights.{i}": weights, f"bias.{i}": bias}
+        return found
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take what `arrays` returned."""
+        self._middle, self._width = arrays["middle"], arrays["width"]
+        self._mean, self._unit = arrays["mean"], arrays["unit"][0]
+        self._layers = [
+            (arrays[f"weights.{i}"], arrays[f"bias.{i}"])
+            for i in range(len(self._hidden) + 1)
+        ]
