@@ -9,10 +9,11 @@ from typing import Any
 
 from physgnn.errors import InputError
 from physgnn.learning.galerkin import GalerkinModel
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Model
 from physgnn.learning.lifted import LiftedModel
 from physgnn.learning.physgnn_model import PhysGNNModel
 from physgnn.learning.reduced import ReducedModel
+from physgnn.mechanics.body import Body
 
 MODELS: Mapping[str, type[Model]] = {
     "galerkin": GalerkinModel,
