@@ -17,6 +17,7 @@ import torch
 from held_out import spread
 from physgnn.dataset import Store, named_split
 from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.graph import graph_of
 from physgnn.learning.losses import mean_euclidean
 from physgnn.learning.volume_penalty import VolumePenalty
 from tables import machine, table
@@ -43,7 +44,7 @@ def fine_tuned(run: Path, data, weight: float, minutes: float):
     end, steps = time.process_time() + 60 * minutes, 0
     while time.process_time() < end:
         some = torch.from_numpy(rng.choice(len(data[0]), BATCH, replace=False))
-        predicted = model(data[0][some], model.body.graph)
+        predicted = model(data[0][some], graph_of(model.body))
         loss = mean_euclidean(predicted, data[1][some]) + weight * penalty(predicted)
         optimiser.zero_grad()
         loss.backward()
@@ -54,7 +55,7 @@ def fine_tuned(run: Path, data, weight: float, minutes: float):
 
 @torch.inference_mode()
 def answers(model, inputs):
-    return torch.cat([model(one[None], model.body.graph) for one in inputs])
+    return torch.cat([model(one[None], graph_of(model.body)) for one in inputs])
 
 
 def judged(model, predicted, true) -> tuple[str, ...]:

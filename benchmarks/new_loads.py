@@ -25,9 +25,10 @@ from held_out import Log, lengths
 from physgnn.dataset import Store, named_split
 from physgnn.geometry.boundary import boundary_surface
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Model
 from physgnn.mechanics import LoadCase, LoadPath, Solver, SolverOptions, Status
 from physgnn.mechanics.approach import Approach
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.load_paths import (
     cone_paths,
     equal_levels,

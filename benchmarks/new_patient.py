@@ -20,7 +20,6 @@ from physgnn.dataset import Store, named_split
 from physgnn.learning.adaptation import adapt
 from physgnn.learning.anchors import sample_forces
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.prediction import linear_answer
@@ -77,7 +76,7 @@ def main() -> None:
     split = named_split("path", store)
     samples = split.test[(split.test[:, 1] + 1) % given.every == 0]
     family = Checkpoint.load(given.run)
-    body = Body.of(store)
+    body = store.body
     print(f"{machine()}; {store.mesh.n_points} points, {len(samples)} samples\n")
 
     start = time.perf_counter()

@@ -16,7 +16,7 @@ import torch
 from numpy.typing import NDArray
 
 from physgnn.dataset.store import Store
-from physgnn.learning.interface import Body
+from physgnn.learning.graph import graph_of
 from physgnn.learning.physgnn import N_LAYERS
 from physgnn.learning.physgnn_model import PhysGNNModel
 from physgnn.learning.published import load_published
@@ -33,7 +33,7 @@ def published_model(folder: Path, store: Store, dataset: int) -> PhysGNNModel:
     """Return the model with the published weights, and the store's own statistics."""
     configuration, _ = CASES[dataset]
     model = PhysGNNModel(
-        Body.of(store),
+        store.body,
         configuration=configuration,
         dataset=dataset,
         normaliser="published",
@@ -46,7 +46,7 @@ def published_model(folder: Path, store: Store, dataset: int) -> PhysGNNModel:
 
 def hops(model: PhysGNNModel, loaded: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return how many edges each point is from the loads, 7 if more than six."""
-    graph = model.body.graph
+    graph = graph_of(model.body)
     reached = torch.zeros(graph.n_points, dtype=torch.bool)
     reached[loaded] = True
     found = np.full(len(reached), N_LAYERS + 1)
@@ -63,7 +63,7 @@ def measure(model: PhysGNNModel, store: Store, step: int) -> list[list[str]]:
         case = store.load_case(int(path), int(level))
         true = store.displacement(int(path))[level]
         with torch.inference_mode():
-            answer = model(model.encode(case)[None], model.body.graph)[0].numpy()
+            answer = model(model.encode(case)[None], graph_of(model.body))[0].numpy()
         away = hops(model, case.nodes)
         lengths = [np.linalg.norm(x, axis=1) for x in (true, answer, answer - true)]
         groups = {

@@ -18,7 +18,7 @@ import torch
 from numpy.typing import NDArray
 
 from physgnn.dataset import Store, named_split
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Model
 from physgnn.learning.models import FITTED, build_model
 
 LEVELS = np.arange(5, 31, 5)
@@ -60,7 +60,7 @@ def main() -> None:
     store = Store.open(arguments.store)
     split = named_split(arguments.split, store)
     start = time.process_time()
-    model = build_model(arguments.model, Body.of(store), **options)
+    model = build_model(arguments.model, store.body, **options)
     model.fit(store, split.train)
     print(f"fitted in {time.process_time() - start:.0f} s, {options}")
     paths = np.unique(split.test[:, 0])[: arguments.paths]

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from physgnn.learning.graph import Graph as Graph
     from physgnn.learning.physgnn import PhysGNN as PhysGNN
     from physgnn.learning.published import load_published as load_published
+    from physgnn.mechanics import Body as Body
     from physgnn.mechanics import LoadCase as LoadCase
     from physgnn.mechanics import LoadPath as LoadPath
     from physgnn.mechanics import NeoHookean as NeoHookean
@@ -40,6 +41,7 @@ _HOME = {
     "read_mesh": "io",
     "read_surface": "io",
     "write_mesh": "io",
+    "Body": "mechanics",
     "LoadCase": "mechanics",
     "LoadPath": "mechanics",
     "NeoHookean": "mechanics",

@@ -13,14 +13,13 @@ from physgnn.evaluation.held_out import NONE, HeldOut
 from physgnn.evaluation.metrics import points_near, points_of_region
 from physgnn.evaluation.result import Report
 from physgnn.evaluation.rows import Row
-from physgnn.learning.interface import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Answer, Prediction
 from physgnn.prediction.predictor import Predictor
 
 
 def rows(store: Store, **answers: Answer) -> list[Row]:
-    body = Body.of(store)
+    body = store.body
     return [
         Row(name, make=lambda answer=answer: Predictor(body, answer))
         for name, answer in answers.items()
@@ -117,7 +116,7 @@ def test_predictors_are_made_one_after_another(store: Store) -> None:
         def __init__(self, name: str) -> None:
             assert alive == []
             alive.append(name)
-            self.answer = Predictor(Body.of(store), swaying(store))
+            self.answer = Predictor(store.body, swaying(store))
 
         def __call__(self, case: LoadCase, **_: object) -> Prediction:
             return self.answer(case)
@@ -136,7 +135,7 @@ def test_training_time_is_what_making_takes_unless_it_is_known(store: Store) -> 
         end = time.process_time() + 0.3
         while time.process_time() < end:
             pass
-        return Predictor(Body.of(store), swaying(store))
+        return Predictor(store.body, swaying(store))
 
     measured = measure(Row("busy", busy, seed=2), held_out)
     assert measured.minutes is not None

@@ -13,7 +13,6 @@ from physgnn.errors import InputError
 from physgnn.evaluation.result import Report
 from physgnn.evaluation.run import Comparison, evaluate_run, evaluate_runs
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body
 from physgnn.learning.models import build_model
 from physgnn.learning.run_record import new_record, with_result
 from physgnn.learning.training_config import TrainingConfig
@@ -44,7 +43,7 @@ def untrained(store: Store, folder: Path, seed: int) -> Path:
     split = split_path(store)
     config = TrainingConfig(options={"width": 8}, seed=seed)
     torch.manual_seed(seed)
-    model = build_model(config.model, Body.of(store), **config.options)
+    model = build_model(config.model, store.body, **config.options)
     model.fit(store, split.train)
     spent = {"wall": 0.7, "processor": 0.5}
     record = with_result(new_record(store, split, config), loss=1.0, spent=spent)

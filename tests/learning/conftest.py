@@ -8,6 +8,7 @@ import pytest
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState
@@ -35,7 +36,7 @@ def store(block: TetMesh, tmp_path: Path) -> Store:
         fixed=fixed,
         provenance={},
     )
-    rest = RestState(block, MATERIALS, fixed)
+    rest = RestState(Body(block, MATERIALS, fixed))
     for i, path in enumerate(paths):
         cases = [path.case(k).on_points(block.n_points) for k in range(path.n_levels)]
         store.write(i, _solution(rest.solve(np.stack(cases))))

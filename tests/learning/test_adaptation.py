@@ -14,10 +14,11 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.adaptation import adapt
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body
+from physgnn.learning.graph import graph_of
 from physgnn.learning.lifted import LiftedModel
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState
@@ -59,7 +60,7 @@ def predictions(
     model = adapt(trained, body, forces).model
     with torch.no_grad():
         inputs = torch.stack([model.encode(case) for case in cases])
-        answer: np.ndarray = model(inputs, body.graph).numpy()
+        answer: np.ndarray = model(inputs, graph_of(body)).numpy()
     return answer
 
 
@@ -115,7 +116,7 @@ def test_no_load_no_displacement_and_fixed_points_stay_put(trained: Checkpoint) 
 
 def test_small_loads_get_the_linear_solution(trained: Checkpoint) -> None:
     mesh = patient()
-    rest = RestState(mesh, MATERIALS)
+    rest = RestState(Body(mesh, MATERIALS))
     strong = loads(mesh)
     scales = np.array([0.08, 0.04, 0.02])
     weak = [LoadCase(strong[0].nodes, s * strong[0].forces) for s in scales]

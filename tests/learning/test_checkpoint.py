@@ -11,7 +11,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh
 from physgnn.learning.checkpoint import CASE, RECORD, WEIGHTS, Checkpoint
-from physgnn.learning.interface import Body
+from physgnn.learning.graph import graph_of
 from physgnn.learning.models import build_model
 
 CONFIG = {"model": "physgnn", "options": {"width": 8}}
@@ -20,7 +20,7 @@ CONFIG = {"model": "physgnn", "options": {"width": 8}}
 @pytest.fixture
 def checkpoint(store: Store, split: Split) -> Checkpoint:
     torch.manual_seed(0)
-    model = build_model("physgnn", Body.of(store), width=8)
+    model = build_model("physgnn", store.body, width=8)
     model.fit(store, split.train)
     return Checkpoint(model.eval(), {"config": CONFIG})
 
@@ -34,8 +34,8 @@ def test_reloaded_model_answers_bit_for_bit(
     x = again.model.encode(case)
     assert torch.equal(x, checkpoint.model.encode(case))
     with torch.inference_mode():
-        y = again.model(x[None], again.body.graph)
-        assert torch.equal(y, checkpoint.model(x[None], checkpoint.body.graph))
+        y = again.model(x[None], graph_of(again.body))
+        assert torch.equal(y, checkpoint.model(x[None], graph_of(checkpoint.body)))
     assert not again.model.training
     assert again.record["config"] == CONFIG
     assert again.body.materials == store.materials

@@ -12,11 +12,12 @@ from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body
+from physgnn.learning.graph import graph_of
 from physgnn.learning.lifted import LiftedModel, body_axes
 from physgnn.learning.models import build_model
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState
@@ -53,7 +54,7 @@ def with_random_weights(model: LiftedModel) -> LiftedModel:
 
 def predict(model: LiftedModel, load_case: LoadCase) -> Tensor:
     with torch.no_grad():
-        answer: Tensor = model(model.encode(load_case)[None], model.body.graph)[0]
+        answer: Tensor = model(model.encode(load_case)[None], graph_of(model.body))[0]
     return answer
 
 
@@ -65,14 +66,14 @@ def model(block: TetMesh, request: pytest.FixtureRequest) -> LiftedModel:
 
 @pytest.fixture
 def fitted(store: Store, split: Split) -> LiftedModel:
-    model = LiftedModel(Body.of(store), **OPTIONS)
+    model = LiftedModel(store.body, **OPTIONS)
     model.fit(store, split.train)
     return model
 
 
 def test_no_load_gives_no_displacement(model: LiftedModel) -> None:
     inputs = torch.zeros(1, model.body.mesh.n_points, 12)
-    assert (model(inputs, model.body.graph) == 0).all()
+    assert (model(inputs, graph_of(model.body)) == 0).all()
 
 
 def test_fixed_points_stay_put_exactly(model: LiftedModel) -> None:
@@ -85,7 +86,7 @@ def test_small_loads_converge_to_the_linear_solution_at_second_order(
     model: LiftedModel,
 ) -> None:
     mesh = model.body.mesh
-    rest = RestState(mesh, MATERIALS)
+    rest = RestState(Body(mesh, MATERIALS))
     scales = np.array([0.2, 0.1, 0.05, 0.025])
     differences = []
     for scale in scales:

@@ -11,7 +11,7 @@ from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning import training
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body
+from physgnn.learning.graph import graph_of
 from physgnn.learning.memory import PEAK, kept_bytes, measure, samples_at_once
 from physgnn.learning.models import build_model
 from physgnn.learning.physgnn_model import PhysGNNModel
@@ -22,7 +22,7 @@ from physgnn.learning.training_config import TrainingConfig
 @pytest.fixture
 def model(store: Store) -> PhysGNNModel:
     torch.manual_seed(0)
-    return build_model("physgnn", Body.of(store), width=16)
+    return build_model("physgnn", store.body, width=16)
 
 
 def inputs(model: PhysGNNModel, store: Store, n: int) -> Tensor:
@@ -52,7 +52,7 @@ def test_memory_grows_with_the_batch_in_a_straight_line(
     model: PhysGNNModel, store: Store
 ) -> None:
     def forward(n: int) -> Tensor:
-        return model(inputs(model, store, n), model.body.graph)
+        return model(inputs(model, store, n), graph_of(model.body))
 
     memory = measure(forward)
     five = kept_bytes(lambda: forward(5))
@@ -60,7 +60,7 @@ def test_memory_grows_with_the_batch_in_a_straight_line(
 
 
 def test_sparing_memory_changes_no_gradient(model: PhysGNNModel, store: Store) -> None:
-    x, graph = inputs(model, store, 3), model.body.graph
+    x, graph = inputs(model, store, 3), graph_of(model.body)
     model.eval()
     gradients, kept = [], []
     for spare in (False, True):

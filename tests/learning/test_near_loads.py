@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.interface import Body
 from physgnn.learning.near_loads import FEW, NearLoads
 from physgnn.mechanics import LoadCase, LoadPath, NeoHookean, SolverOptions, solve
+from physgnn.mechanics.body import Body
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
 
@@ -37,6 +37,6 @@ def test_the_cells_under_the_force_follow_from_those_beside_them(
 def test_other_answers_are_left_alone(
     block: TetMesh, n_nodes: int, reach: int, element: str
 ) -> None:
-    near = NearLoads(Body(block, MATERIALS, block.point_set("fixed"), element), reach)
+    near = NearLoads(Body(block, MATERIALS, element=element), reach)
     answer = np.full(block.points.shape, 0.1)
     assert near.settled(push(block, n_nodes), answer) is answer

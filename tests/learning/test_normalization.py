@@ -8,7 +8,6 @@ from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.features import load_features
-from physgnn.learning.interface import Body
 from physgnn.learning.normalization import Normalizer, force_statistics
 from physgnn.learning.physgnn_model import PhysGNNModel
 
@@ -45,7 +44,7 @@ def test_only_the_published_way_looks_at_samples_held_out(
     store: Store, split: Split
 ) -> None:
     def fitted(normaliser: str, samples: np.ndarray) -> np.ndarray:
-        model = PhysGNNModel(Body.of(store), width=8, normaliser=normaliser)
+        model = PhysGNNModel(store.body, width=8, normaliser=normaliser)
         model.fit(store, samples)
         return model.normalizer.std.numpy()
 

@@ -8,8 +8,7 @@ from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.graph import Graph
-from physgnn.learning.interface import Body
+from physgnn.learning.graph import Graph, graph_of
 from physgnn.learning.models import build_model
 from physgnn.learning.onnx_export import PlainPhysGNN, export_onnx
 from physgnn.learning.physgnn import CONFIGURATIONS, PhysGNN
@@ -36,7 +35,7 @@ def test_onnxruntime_gives_the_same(store: Store, tmp_path: Path) -> None:
         for module in ("onnxruntime", "onnx", "onnxscript")
     )
     torch.manual_seed(0)
-    model = build_model("physgnn", Body.of(store), width=8).eval()
+    model = build_model("physgnn", store.body, width=8).eval()
     model.fit(store, store.samples())
     config = {"model": "physgnn", "options": {"width": 8}}
     Checkpoint(model, {"config": config}).save(tmp_path / "run")
@@ -47,12 +46,12 @@ def test_onnxruntime_gives_the_same(store: Store, tmp_path: Path) -> None:
         x = model.encode(store.load_case(2, level))
         (found,) = session.run(None, {"features": x.numpy()})
         with torch.inference_mode():
-            expected = model(x[None], model.body.graph)[0].numpy()
+            expected = model(x[None], graph_of(model.body))[0].numpy()
         np.testing.assert_allclose(found, expected, atol=1e-4)
 
 
 def test_refuses_a_model_that_needs_a_solver(store: Store, tmp_path: Path) -> None:
-    model = build_model("lifted", Body.of(store), anchors=0, modes=0)
+    model = build_model("lifted", store.body, anchors=0, modes=0)
     config = {"model": "lifted", "options": {"anchors": 0, "modes": 0}}
     Checkpoint(model, {"config": config}).save(tmp_path / "run")
     with pytest.raises(InputError, match="only PhysGNN"):

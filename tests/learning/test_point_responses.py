@@ -7,6 +7,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning import point_responses
 from physgnn.learning.point_responses import PointResponses
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.materials import NeoHookean
@@ -46,7 +47,7 @@ def test_any_load_has_its_linear_answer(
         "none": top[:0],
     }[where]
     force = random_force(block, nodes)
-    expected = RestState(block, MATERIALS).solve(force)
+    expected = RestState(Body(block, MATERIALS)).solve(force)
     found = responses(block, top[:6])(force)
     np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
 

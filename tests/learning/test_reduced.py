@@ -14,11 +14,12 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning import reduced
 from physgnn.learning.fitting import fit
-from physgnn.learning.interface import Body
+from physgnn.learning.graph import graph_of
 from physgnn.learning.load_distance import LoadDistance, farthest
 from physgnn.learning.models import FITTED, build_model
 from physgnn.learning.reduced import ReducedModel
 from physgnn.learning.training_config import TrainingConfig
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState
@@ -41,7 +42,7 @@ def push(mesh: TetMesh, share: float = 1.0) -> LoadCase:
 
 def answer(model: ReducedModel, case: LoadCase) -> np.ndarray:
     with torch.no_grad():
-        out: Tensor = model(model.encode(case)[None], model.body.graph)[0]
+        out: Tensor = model(model.encode(case)[None], graph_of(model.body))[0]
     return out.numpy().astype(np.float64)
 
 
@@ -60,7 +61,7 @@ def with_anchor(mesh: TetMesh, share: float) -> ReducedModel:
 def test_small_loads_get_the_linear_answer(block: TetMesh, anchored: bool) -> None:
     model = with_anchor(block, 0.02) if anchored else ReducedModel(body_of(block))
     tiny = push(block, 1e-3)
-    linear = RestState(block, MATERIALS).solve(tiny.on_points(block.n_points))
+    linear = RestState(Body(block, MATERIALS)).solve(tiny.on_points(block.n_points))
     error = np.abs(answer(model, tiny) - linear).max()
     assert error < 0.01 * np.abs(linear).max()
 
@@ -77,7 +78,9 @@ def test_an_anchor_brings_loads_near_it_nearer(block: TetMesh) -> None:
     truth = solve(block, path, materials=MATERIALS, options=EXACT).displacement[0]
     from_rest = answer(ReducedModel(body_of(block), reach_from_rest=1), push(block))
     anchored = answer(with_anchor(block, 0.8), push(block))
-    linear = RestState(block, MATERIALS).solve(push(block).on_points(block.n_points))
+    linear = RestState(Body(block, MATERIALS)).solve(
+        push(block).on_points(block.n_points)
+    )
     errors = [np.abs(u - truth).max() for u in (linear, from_rest, anchored)]
     assert errors[1] < errors[0]
     assert errors[2] < 0.5 * errors[1]
@@ -134,7 +137,7 @@ def test_distances_are_those_of_energy(block: TetMesh) -> None:
     fields = np.zeros((2, block.n_points, 3))
     fields[:, nodes] = forces
     apart = fields[0] - fields[1]
-    work = (apart * RestState(block, MATERIALS).solve(apart)).sum()
+    work = (apart * RestState(Body(block, MATERIALS)).solve(apart)).sum()
     x = LoadDistance(body_of(block), nodes).coordinates(forces)
     assert np.linalg.norm(x[0] - x[1]) == pytest.approx(np.sqrt(work), rel=1e-6)
 
@@ -168,7 +171,7 @@ def test_a_run_is_fitted_saved_and_predicts(
 def test_there_are_no_more_anchors_than_memory_holds(
     store: Store, split: Split, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    model = ReducedModel(Body.of(store), anchors=3)
+    model = ReducedModel(store.body, anchors=3)
     for n_bytes, n_anchors in ((2**30, 3), (1, 1)):
         monkeypatch.setattr(reduced, "MAX_BYTES", n_bytes)
         model.fit(store, split.train)

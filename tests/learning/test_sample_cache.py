@@ -6,7 +6,6 @@ import torch
 
 from physgnn.dataset.store import Store
 from physgnn.learning.batches import Samples
-from physgnn.learning.interface import Body
 from physgnn.learning.models import build_model
 from physgnn.learning.sample_cache import SampleCache
 
@@ -40,7 +39,7 @@ def test_keeps_only_what_fits(tmp_path: Path) -> None:
 def test_a_sample_is_made_once(
     store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    model = build_model("physgnn", Body.of(store), width=8)
+    model = build_model("physgnn", store.body, width=8)
     samples = np.array([[2, 1], [0, 3]])
     plain = Samples(store, samples, model)
     expected = [plain[i] for i in range(2)]

@@ -5,6 +5,7 @@ import pytest
 
 from physgnn.mechanics import NeoHookean, RestState
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.factor_cache import MAX_BYTES, factorize_cached
 from physgnn.mechanics.linear_solver import (
@@ -29,32 +30,32 @@ def _needs_pardiso(block):
 
 
 def test_a_kept_factor_gives_the_same_bits(block, force, tmp_path, monkeypatch):
-    first = RestState(block, MATERIALS, cache=tmp_path).solve(force)
+    first = RestState(Body(block, MATERIALS), cache=tmp_path).solve(force)
 
     def refuse(*_):
         raise AssertionError("factorised again")
 
     monkeypatch.setattr(PardisoSolver, "factorize", refuse)
-    again = RestState(block, MATERIALS, cache=tmp_path).solve(force)
+    again = RestState(Body(block, MATERIALS), cache=tmp_path).solve(force)
     np.testing.assert_array_equal(again, first)
 
 
 def test_another_matrix_has_another_factor(block, force, tmp_path):
-    RestState(block, MATERIALS, cache=tmp_path)
+    RestState(Body(block, MATERIALS), cache=tmp_path)
     softer = {0: NeoHookean(2000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
-    cached = RestState(block, softer, cache=tmp_path).solve(force)
-    np.testing.assert_array_equal(cached, RestState(block, softer).solve(force))
+    cached = RestState(Body(block, softer), cache=tmp_path).solve(force)
+    np.testing.assert_array_equal(cached, RestState(Body(block, softer)).solve(force))
     assert len(list(tmp_path.iterdir())) == 2
 
 
 def test_a_damaged_factor_is_made_again(block, force, tmp_path):
-    first = RestState(block, MATERIALS, cache=tmp_path).solve(force)
+    first = RestState(Body(block, MATERIALS), cache=tmp_path).solve(force)
     (kept,) = tmp_path.iterdir()
     factor = kept / FACTOR_FILE
     whole = factor.read_bytes()
     for damage in (b"", whole[:-1000], whole[:5000] + b"\x55" + whole[5001:]):
         factor.write_bytes(damage)
-        again = RestState(block, MATERIALS, cache=tmp_path).solve(force)
+        again = RestState(Body(block, MATERIALS), cache=tmp_path).solve(force)
         np.testing.assert_array_equal(again, first)
         assert factor.read_bytes() != damage
 
@@ -62,8 +63,10 @@ def test_a_damaged_factor_is_made_again(block, force, tmp_path):
 def test_a_folder_that_cannot_be_written_does_no_harm(block, force, tmp_path):
     no_folder = tmp_path / "file"
     no_folder.write_text("in the way")
-    answer = RestState(block, MATERIALS, cache=no_folder).solve(force)
-    np.testing.assert_array_equal(answer, RestState(block, MATERIALS).solve(force))
+    answer = RestState(Body(block, MATERIALS), cache=no_folder).solve(force)
+    np.testing.assert_array_equal(
+        answer, RestState(Body(block, MATERIALS)).solve(force)
+    )
 
 
 def test_the_factor_not_used_for_longest_goes_first(block, tmp_path):

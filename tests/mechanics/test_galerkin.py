@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.cell_selection import cell_works, weigh_cells
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.galerkin import GalerkinBody
@@ -116,6 +117,6 @@ def test_hyper_reduction_keeps_the_answer(block: TetMesh, states: FloatArray) ->
     none = np.empty(0, dtype=np.int64)
     u, found = GalerkinBody(elements, weights, none, modes).solve(top_force(block))
     assert found.converged
-    linear = RestState(block, MATERIALS).solve(top_force(block))
+    linear = RestState(Body(block, MATERIALS)).solve(top_force(block))
     error = np.abs(u - states[-1]).max()
     assert error < 0.1 * np.abs(linear - states[-1]).max()

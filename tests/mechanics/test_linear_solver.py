@@ -7,6 +7,7 @@ import scipy.sparse as sp
 from physgnn.errors import InputError
 from physgnn.mechanics import NeoHookean, RestState
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.linear_solver import (
     SuperLUSolver,
@@ -58,7 +59,7 @@ def test_an_indefinite_matrix_is_reported(system, make):
 
 
 def test_rest_state_solves_many_cases_at_once_and_holds_the_fixed(block):
-    rest = RestState(block, MATERIALS, "fixed")
+    rest = RestState(Body(block, MATERIALS, "fixed"))
     forces = np.random.default_rng(0).standard_normal((4, block.n_points, 3)) * 1e-4
     together = rest.solve(forces)
     assert not together[:, block.point_set("fixed")].any()
@@ -71,8 +72,8 @@ def test_rest_state_solves_many_cases_at_once_and_holds_the_fixed(block):
 
 def test_a_body_that_floats_is_refused(block):
     with pytest.raises(InputError, match="at least three points must be fixed"):
-        RestState(block, MATERIALS, np.array([0, 1]))
+        RestState(Body(block, MATERIALS, np.array([0, 1])))
     with pytest.raises(InputError, match="no point set 'skull'"):
-        RestState(block, MATERIALS, "skull")
+        RestState(Body(block, MATERIALS, "skull"))
     with pytest.raises(InputError, match="must index"):
-        RestState(block, MATERIALS, np.array([0, 1, 10_000]))
+        RestState(Body(block, MATERIALS, np.array([0, 1, 10_000])))

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from meshes import block_mesh
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import make_pattern
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.loads import LoadPath
@@ -70,7 +71,7 @@ def test_a_patch_of_all_points_is_the_whole_problem(mesh: TetMesh, node: int) ->
 
 def test_it_is_nearer_than_the_linear_answer(mesh: TetMesh, node: int) -> None:
     truth = solved(mesh, node)
-    linear = RestState(mesh, MATERIALS).solve(push(mesh, node))
+    linear = RestState(Body(mesh, MATERIALS)).solve(push(mesh, node))
     answer = expansion(mesh, around(mesh, node, 5.1))(push(mesh, node))
     assert answer.converged
     error = np.abs(answer.displacement - truth).max()
@@ -80,7 +81,10 @@ def test_it_is_nearer_than_the_linear_answer(mesh: TetMesh, node: int) -> None:
 def test_small_loads_get_the_linear_answer_at_second_order(
     mesh: TetMesh, node: int
 ) -> None:
-    local, rest = expansion(mesh, around(mesh, node, 5.1)), RestState(mesh, MATERIALS)
+    local, rest = (
+        expansion(mesh, around(mesh, node, 5.1)),
+        RestState(Body(mesh, MATERIALS)),
+    )
     shares = np.array([0.1, 0.05, 0.025])
     apart = [
         np.abs(

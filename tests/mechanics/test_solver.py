@@ -16,6 +16,7 @@ from physgnn.mechanics import (
     solve,
 )
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import internal_force, make_elements, strain_energy
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.newton import Newton
@@ -70,7 +71,7 @@ def test_work_of_the_load_is_stored_as_energy(block):
 
 
 def test_small_loads_converge_to_the_linear_solution(block):
-    rest = RestState(block, MATERIALS)
+    rest = RestState(Body(block, MATERIALS))
     gaps = []
     for total in (1e-3, 1e-4):
         path = pull(block, total, np.array([1.0]))

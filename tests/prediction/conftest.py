@@ -6,7 +6,7 @@ import pytest
 from physgnn.dataset.generate import generate
 from physgnn.dataset.store import Store
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import NeoHookean
 
@@ -39,7 +39,7 @@ def store(block: TetMesh, tmp_path_factory: pytest.TempPathFactory) -> Store:
 
 @pytest.fixture(scope="session")
 def body(store: Store) -> Body:
-    return Body.of(store)
+    return store.body
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ import pytest
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import Calibration, calibrate
 from physgnn.prediction.indicators import INDICATORS

@@ -3,7 +3,7 @@
 import numpy as np
 
 from physgnn.dataset.store import Store
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.linear import linear_answer

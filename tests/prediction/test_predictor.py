@@ -9,8 +9,9 @@ from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body
+from physgnn.learning.graph import graph_of
 from physgnn.learning.models import build_model
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import RELAXATION, calibrate
 from physgnn.prediction.finite_element import FiniteElementPredictor
@@ -159,7 +160,9 @@ def test_run_folder_round_trip(
     Checkpoint(model, record).save(tmp_path)
     case = store.load_case(9, 1)
     before = Predictor.load(tmp_path)
-    expected = model.eval()(model.encode(case)[None], body.graph)[0].detach().numpy()
+    expected = (
+        model.eval()(model.encode(case)[None], graph_of(body))[0].detach().numpy()
+    )
     np.testing.assert_allclose(before(case).displacement, expected, atol=1e-6)
     assert before(case).error_estimate_mm is None
     calibrated = calibrate_run(tmp_path, store, Split("path", *parts))

@@ -17,6 +17,7 @@ from physgnn.mechanics import (
     Solver,
     deformation_gradient,
 )
+from physgnn.mechanics.body import Body
 from physgnn.prediction import PredictionStatus
 from physgnn.prediction.load_modes import load_modes
 from physgnn.prediction.registration import Registrar, Registration
@@ -49,7 +50,7 @@ def true_shift(mesh: TetMesh, seed: int, size_mm: float) -> NDArray[np.float64]:
     top = mesh.point_set("loaded")
     offset = mesh.points[top] - [*rng.uniform(30, 70, 2), SIDE]
     forces[top] -= [0, 0, 5] * np.exp(-(offset**2).sum(1, keepdims=True) / 2 / 25**2)
-    rest = RestState(mesh, materials)
+    rest = RestState(Body(mesh, materials))
     forces *= size_mm / np.linalg.norm(rest.solve(forces), axis=1).max()
     loaded = np.setdiff1d(np.arange(mesh.n_points), mesh.point_set("fixed"))
     path = LoadPath(loaded, forces[loaded], np.ones(1))
@@ -190,7 +191,7 @@ def test_wrong_numbers_are_refused(body: TetMesh, registrar: Registrar) -> None:
 
 
 def test_modes_are_scaled_and_their_responses_linear_elasticity(body: TetMesh) -> None:
-    rest = RestState(body, MATERIALS)
+    rest = RestState(Body(body, MATERIALS))
     modes = load_modes(body, rest.fixed, rest.solve)
     pick = slice(None, None, 40)
     again = rest.solve(modes.forces[pick].astype(np.float64))

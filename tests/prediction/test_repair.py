@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.repair import AIM, DEEPEST, depth, where_to_begin
 

@@ -4,6 +4,7 @@ import pytest
 from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.mechanics import NeoHookean
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.rest_state import RestState
 from physgnn.prediction.skull import (
     ACROSS_MM,
@@ -63,7 +64,7 @@ def test_a_fixed_skull_is_the_rest_state_solver() -> None:
     push = np.random.default_rng(0).normal(size=(2, mesh.n_points, 3)) * 1e-3
     tangent = TangentResponse(mesh, MATERIALS, support, "tet4")
     moved, back = tangent(np.zeros_like(mesh.points), push.astype(np.float32))
-    rest = RestState(mesh, MATERIALS)
+    rest = RestState(Body(mesh, MATERIALS))
     np.testing.assert_allclose(moved, rest.solve(push), atol=1e-4 * np.abs(moved).max())
     assert not back.any()
 

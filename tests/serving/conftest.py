@@ -7,7 +7,7 @@ import pytest
 from live_server import Address, serving
 
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.prediction.calibration import Calibration

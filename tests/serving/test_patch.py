@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.serving.patch import Exposed, push
 
 FORCE = np.array([0.3, -0.2, -1.0])

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.serving.refine import Refiner
 
@@ -47,12 +47,14 @@ def test_solves_wait_in_line_and_a_waiting_one_can_leave(body, case) -> None:
     assert asyncio.run(run()) == [False, True, False]
 
 
-def test_a_body_that_floats_is_an_input_error_not_a_crash(body: Body, case) -> None:
+def test_a_load_that_does_not_fit_is_an_input_error_not_a_crash(body: Body) -> None:
+    pull = LoadCase(body.fixed[:1], np.ones((1, 3)))
+
     async def run() -> None:
-        refiner = Refiner(Body(body.mesh, body.materials, body.fixed[:2]))
+        refiner = Refiner(body)
         for _ in range(2):
-            with pytest.raises(InputError, match="three points"):
-                await refiner.solve(case)
+            with pytest.raises(InputError, match="fixed"):
+                await refiner.solve(pull)
         refiner.close()
 
     asyncio.run(run())

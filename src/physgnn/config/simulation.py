@@ -41,7 +41,6 @@ from pathlib import Path
 from typing import Any
 
 from physgnn.config.tables import check_keys, from_table, named, read_toml
-from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.dataset.load_rules import (
     LoadRule,
     MeasuredPlaces,
@@ -54,11 +53,11 @@ from physgnn.dataset.load_rules import (
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR, Preset
 from physgnn.errors import InputError
 from physgnn.geometry.point_sets import Rule, rule_from_table
+from physgnn.mechanics.element import DEFAULT_ELEMENT, checked_element
 from physgnn.mechanics.gravity import Gravity
 from physgnn.mechanics.load_paths import cone_paths
 from physgnn.mechanics.materials import TISSUES, Material
 from physgnn.mechanics.materials.table import LAWS
-from physgnn.mechanics.solver import SolverOptions
 
 REGIONS = {"brain": 0, "tumour": 1, "ventricle": 2}
 POINT_SETS = ("fixed", "loaded")
@@ -215,7 +214,7 @@ def _more_loads(tables: Any, path: Path) -> list[LoadRule]:
 
 def _element(name: Any, path: str | Path) -> str:
     try:
-        return SolverOptions(element=name).element
+        return checked_element(str(name))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 

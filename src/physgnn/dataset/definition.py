@@ -14,13 +14,11 @@ from physgnn.dataset.load_records import distinct, to_record
 from physgnn.dataset.result_rows import result_arrays
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.element import DEFAULT_ELEMENT, checked_element
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import Material
 from physgnn.mechanics.materials.table import material_to_config
-from physgnn.mechanics.solver import SolverOptions
-
-DEFAULT_ELEMENT = "tet4"
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +49,7 @@ class Definition:
     element: str = DEFAULT_ELEMENT
 
     def __post_init__(self) -> None:
-        SolverOptions(element=self.element)  # refuses elements there are not
+        checked_element(self.element)
         object.__setattr__(self, "fixed", np.asarray(self.fixed, dtype=np.int64))
         object.__setattr__(self, "materials", _needed(self.mesh, self.materials))
         _check_paths(self.mesh, self.paths, self.fixed)

@@ -9,11 +9,11 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.dataset.store import Store
 from physgnn.dataset.work import Result, Work, each
 from physgnn.errors import InputError
 from physgnn.io.febio_run import FebioSolver
+from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.solution import Solution
 from physgnn.mechanics.solver import Solver, SolverOptions

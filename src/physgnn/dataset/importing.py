@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
@@ -17,6 +16,7 @@ from physgnn.io.arrays import read_arrays
 from physgnn.io.febio_model import read_febio_results
 from physgnn.io.series import read_series
 from physgnn.io.simulation import Simulation
+from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import Material
 from physgnn.mechanics.solution import Solution, Status

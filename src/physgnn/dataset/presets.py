@@ -6,12 +6,12 @@ from functools import partial
 
 import numpy as np
 
-from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.dataset.load_rules import Paths
 from physgnn.errors import InputError
 from physgnn.geometry import point_sets
 from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.load_paths import (
     all_node_paths,
     single_node_paths,

@@ -12,12 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.dataset import layout
-from physgnn.dataset.definition import DEFAULT_ELEMENT, Definition
+from physgnn.dataset.definition import Definition
 from physgnn.dataset.load_records import kind_of
 from physgnn.dataset.result_rows import encoded
 from physgnn.dataset.stored_paths import StoredPaths
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.element import DEFAULT_ELEMENT
+from physgnn.mechanics.factor_cache import FACTORS
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials import Material, material_from_config
 from physgnn.mechanics.solution import Solution, Status
@@ -181,6 +184,17 @@ class Store:
     def element(self) -> str:
         """The finite element, as in `physgnn.mechanics.SolverOptions`."""
         return str(self._attributes.get("element", DEFAULT_ELEMENT))
+
+    @cached_property
+    def body(self) -> Body:
+        """The finite-element problem; a large one's factors are kept beside it."""
+        return Body(
+            self.mesh,
+            self.materials,
+            self.fixed,
+            element=self.element,
+            factors=self.path.with_suffix(FACTORS),
+        )
 
     @property
     def provenance(self) -> dict[str, Any]:

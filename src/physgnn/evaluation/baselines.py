@@ -9,7 +9,6 @@ from physgnn.errors import InputError
 from physgnn.evaluation.held_out import HeldOut
 from physgnn.evaluation.level_interpolation import LevelInterpolation
 from physgnn.evaluation.rows import Row
-from physgnn.learning.interface import Body
 from physgnn.learning.models import build_model
 from physgnn.prediction.classical import REGRESSORS, regressor_answer
 from physgnn.prediction.linear import linear_answer
@@ -50,19 +49,19 @@ class Baseline:
 
 
 def _zero(held_out: HeldOut, _: int) -> Predict:
-    body = Body.of(held_out.store)
+    body = held_out.store.body
     nothing = np.zeros_like(body.mesh.points)
     return Predictor(body, lambda _: nothing)
 
 
 def _linear(held_out: HeldOut, _: int) -> Predict:
-    body = Body.of(held_out.store)
+    body = held_out.store.body
     return Predictor(body, linear_answer(body))
 
 
 def _interpolation(held_out: HeldOut, _: int) -> Predict:
     answer = LevelInterpolation(held_out.store, held_out.train)
-    return Predictor(Body.of(held_out.store), answer)
+    return Predictor(held_out.store.body, answer)
 
 
 def _knows_paths(held_out: HeldOut) -> bool:
@@ -83,14 +82,14 @@ def _regressor(name: str) -> Baseline:
     def make(held_out: HeldOut, seed: int) -> Predict:
         store = held_out.store
         answer = regressor_answer(name, store, held_out.train, seed)
-        return Predictor(Body.of(store), answer)
+        return Predictor(store.body, answer)
 
     return Baseline(make, _has_examples, learns=True, draws=True)
 
 
 def _fitted(name: str, is_meant: Callable[[HeldOut], bool] = _always) -> Baseline:
     def make(held_out: HeldOut, _: int) -> Predict:
-        model = build_model(name, Body.of(held_out.store))
+        model = build_model(name, held_out.store.body)
         model.fit(held_out.store, held_out.train)
         return Predictor(model.body, network_answer(model))
 

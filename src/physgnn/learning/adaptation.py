@@ -3,10 +3,10 @@
 from physgnn.errors import InputError
 from physgnn.learning.anchors import FloatArray
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body
 from physgnn.learning.lifted import LiftedModel
 from physgnn.learning.models import build_model
 from physgnn.learning.run_record import trained_meshes
+from physgnn.mechanics.body import Body
 
 # Written anew by `Checkpoint.save`.
 OF_THE_BODY = ("mesh_hash", "element", "materials", "format_version")

@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.dataset.store import Store
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solution import Status
 from physgnn.mechanics.solver import Solver, SolverOptions
 
@@ -36,7 +37,7 @@ def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatAr
     """
     mean = forces.mean(axis=0)
     mean[body.fixed] = 0.0
-    rest = body.rest_state()
+    rest = RestState(body)
     answer = rest.solve(mean)
     work = float((mean * answer).sum())
     if n_anchors == 0 or work == 0.0:

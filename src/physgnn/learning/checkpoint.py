@@ -9,13 +9,14 @@ from typing import Any, Self
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 
-from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.atomic import whole_file
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Model
 from physgnn.learning.models import build_model
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.materials.table import material_from_config, material_to_config
 
 FORMAT_VERSION = 1
@@ -92,7 +93,7 @@ class Checkpoint:
         }
         element = record.get("element", DEFAULT_ELEMENT)
         fixed, factors = mesh.point_set(FIXED), run / "factors"
-        body = Body(mesh, materials, fixed, element, factors)
+        body = Body(mesh, materials, fixed, element=element, factors=factors)
         config = record["config"]
         model = build_model(config["model"], body, **config["options"])
         try:

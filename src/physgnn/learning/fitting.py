@@ -10,7 +10,8 @@ from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.budget import Budget
 from physgnn.learning.checkpoint import RECORD, Checkpoint
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.graph import graph_of
+from physgnn.learning.interface import Model
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.model_card import write_model_card
 from physgnn.learning.models import build_model
@@ -52,7 +53,7 @@ def fit(
         raise InputError(f"{run} holds a run already: name another folder")
     run.mkdir(parents=True, exist_ok=True)
     budget = Budget(config)
-    model = build_model(config.model, Body.of(store), **config.options)
+    model = build_model(config.model, store.body, **config.options)
     model.fit(store, split.train)
     spent = budget.spent
     loss = _mean_loss(model, store, split, config.loss, progress)
@@ -72,7 +73,7 @@ def _mean_loss(
     for done, (path, level) in enumerate(samples):
         inputs = model.encode(store.load_case(path, level))[None]
         true = torch.tensor(store.displacement(path)[level])[None]
-        total += float(LOSSES[loss](model(inputs, model.body.graph), true))
+        total += float(LOSSES[loss](model(inputs, graph_of(model.body)), true))
         if progress is not None:
             progress(done + 1, len(samples), "judging")
     return total / len(samples)

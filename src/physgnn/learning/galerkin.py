@@ -13,9 +13,10 @@ from torch import Tensor
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.graph import Graph, as_float32
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Model
 from physgnn.learning.mesh_gradient import points_within
 from physgnn.learning.modes import leading_modes
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.cell_selection import cell_works, weigh_cells
 from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.galerkin import GalerkinBody

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import torch
@@ -10,6 +11,7 @@ from torch import Tensor
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
 
 Edges = tuple[NDArray[np.generic], ...]
 
@@ -115,6 +117,16 @@ class Graph:
                 f"expected one row a point, (batch, {self.n_points}, columns) "
                 f"(got {tuple(x.shape)}); the graph may be of another mesh"
             )
+
+
+_graphs: WeakKeyDictionary[TetMesh, Graph] = WeakKeyDictionary()
+
+
+def graph_of(body: Body) -> Graph:
+    """Return the graph of a body's mesh, on the CPU; it is made once a mesh."""
+    if body.mesh not in _graphs:
+        _graphs[body.mesh] = Graph.from_mesh(body.mesh)
+    return _graphs[body.mesh]
 
 
 def _edges(cells: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

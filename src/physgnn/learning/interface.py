@@ -8,7 +8,7 @@ and predicting use nothing but this:
 >>> model = MODELS["physgnn"](body, configuration=3, dataset=2)     # untrained
 >>> model.fit(store, split.train)                                   # statistics only
 >>> x = torch.stack([model.encode(case) for case in cases])         # (batch, n, inputs)
->>> y = model(x, body.graph)                                        # (batch, n, 3), mm
+>>> y = model(x, graph_of(body))                                    # (batch, n, 3), mm
 
 To add a network: subclass :class:`Model`, take as options what JSON can hold, and add
 one row to :data:`physgnn.learning.models.MODELS`.
@@ -31,94 +31,20 @@ one row to :data:`physgnn.learning.models.MODELS`.
 
 import copy
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.materials import Material
-from physgnn.mechanics.rest_state import RestState
 
 IntArray = NDArray[np.int64]
-
-FACTORS = ".factors"  # suffix of a folder of factors, beside mesh or store
-LARGE = 30_000  # points; smaller bodies are factorised in less than two seconds
-
-
-@dataclass(frozen=True, eq=False)
-class Body:
-    """A mesh, what it's made of, and where it's held: all but the load.
-
-    Parameters
-    ----------
-    mesh : TetMesh
-        The mesh.
-    materials : mapping of int to Material
-        The material of every region the mesh has.
-    fixed : (n_fixed,) integer array
-        Points that can't move.
-    element : str
-        As in `physgnn.mechanics.SolverOptions`.
-    factors : Path, optional
-        Folder where the factor of a large body is kept from run to run. It may be
-        deleted at any time.
-
-    Raises
-    ------
-    InputError
-        If a region has no material or a fixed point isn't in the mesh.
-    """
-
-    mesh: TetMesh
-    materials: Mapping[int, Material]
-    fixed: IntArray
-    element: str = DEFAULT_ELEMENT
-    factors: Path | None = None
-
-    def __post_init__(self) -> None:
-        fixed = np.asarray(self.fixed, dtype=np.int64).ravel()
-        object.__setattr__(self, "fixed", fixed)
-        missing = set(np.unique(self.mesh.region).tolist()) - set(self.materials)
-        if missing:
-            raise InputError(f"region {min(missing)} of the mesh has no material")
-        if len(fixed) and (fixed.min() < 0 or fixed.max() >= self.mesh.n_points):
-            raise InputError(
-                f"fixed points must index 0…{self.mesh.n_points - 1} "
-                f"(got {fixed.min()}…{fixed.max()})"
-            )
-
-    @classmethod
-    def of(cls, store: Store) -> "Body":
-        """Return the body a store's samples were computed on."""
-        beside = store.path.with_suffix(FACTORS)
-        return cls(store.mesh, store.materials, store.fixed, store.element, beside)
-
-    def rest_state(self) -> RestState:
-        """Return what answers K₀⁻¹ f, read from the disk if that is quicker."""
-        large = self.mesh.n_points >= LARGE
-        return RestState(
-            self.mesh,
-            self.materials,
-            self.fixed,
-            element=self.element,
-            cache=self.factors if large else None,
-        )
-
-    @cached_property
-    def graph(self) -> Graph:
-        """The graph of the mesh, on the CPU, built when first asked for."""
-        return Graph.from_mesh(self.mesh)
 
 
 class Model(nn.Module, ABC):

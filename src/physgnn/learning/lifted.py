@@ -19,12 +19,13 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.anchors import mean_load_anchors, sample_forces
 from physgnn.learning.graph import Graph, as_float32
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Model
 from physgnn.learning.lifted_network import LiftedNetwork, Patch
 from physgnn.learning.mesh_gradient import points_within
 from physgnn.learning.modes import leading_modes
 from physgnn.learning.near_loads import NearLoads
 from physgnn.learning.perturbation import Perturbation
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import ELEMENTS
 from physgnn.mechanics.loads import LoadCase
 

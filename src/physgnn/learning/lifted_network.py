@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from physgnn.learning.graph import as_float32
-from physgnn.learning.interface import Body
 from physgnn.learning.mesh_gradient import Stencil, cell_gradients, edge_lengths
+from physgnn.mechanics.body import Body
 
 IntArray = NDArray[np.int64]
 

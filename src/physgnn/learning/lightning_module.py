@@ -8,6 +8,7 @@ from torch import Tensor
 
 from physgnn.errors import InputError
 from physgnn.learning.dropout import seed_dropout
+from physgnn.learning.graph import graph_of
 from physgnn.learning.interface import Model
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.members import MemberBatch as Batch
@@ -40,7 +41,7 @@ class TrainingModule(LightningModule):
         self.config = config
         self.at_once = at_once
         self.loss = LOSSES[config.loss]
-        self.graphs = tuple(model.body.graph for model in models)
+        self.graphs = tuple(graph_of(model.body) for model in models)
 
     def on_fit_start(self) -> None:
         """Move the graphs, and what belongs to one body, to where the weights are."""

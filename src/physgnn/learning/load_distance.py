@@ -7,7 +7,8 @@ the part of K₀⁻¹ at the loaded points is needed.
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.rest_state import RestState
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -28,7 +29,7 @@ class LoadDistance:
 
     def __init__(self, body: Body, nodes: IntArray) -> None:
         self.nodes = np.setdiff1d(nodes, body.fixed)
-        rest = body.rest_state()
+        rest = RestState(body)
         n = 3 * len(self.nodes)
         compliance = np.empty((n, n))
         for first in range(0, n, COLUMNS_AT_ONCE):

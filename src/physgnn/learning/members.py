@@ -14,7 +14,7 @@ from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.batches import ALONE, EpochOrder, Samples, Share
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Model
 from physgnn.learning.models import build_model
 from physgnn.learning.sample_cache import SampleCache
 from physgnn.learning.training_config import TrainingConfig
@@ -54,7 +54,7 @@ def build_models(
         If weights are to be shared and what the model learns belongs to one body.
     """
     first, *others = models = [
-        build_model(config.model, Body.of(member.store), **config.options)
+        build_model(config.model, member.store.body, **config.options)
         for member in members
     ]
     if start is not None:

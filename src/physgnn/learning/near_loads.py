@@ -9,11 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.dataset.definition import DEFAULT_ELEMENT
-from physgnn.learning.interface import Body
 from physgnn.learning.mesh_gradient import points_within
 from physgnn.mechanics.assembly import Pattern, make_pattern
-from physgnn.mechanics.element import Elements, make_elements
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.element import DEFAULT_ELEMENT, Elements, make_elements
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.settling import settle
 

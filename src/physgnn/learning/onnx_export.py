@@ -16,7 +16,7 @@ from physgnn.io.atomic import whole_file
 from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.convolution import Convolution
-from physgnn.learning.graph import Graph
+from physgnn.learning.graph import Graph, graph_of
 from physgnn.learning.physgnn import LAYERS_A_BLOCK, PhysGNN
 from physgnn.learning.physgnn_model import PhysGNNModel
 
@@ -43,7 +43,7 @@ def export_onnx(run: str | Path, path: str | Path) -> None:
         raise InputError(
             f"only PhysGNN can be exported to ONNX: {run} also needs the linear solver"
         )
-    write_onnx(model.network, model.body.graph, path)
+    write_onnx(model.network, graph_of(model.body), path)
 
 
 def write_onnx(network: PhysGNN, graph: Graph, path: str | Path) -> None:

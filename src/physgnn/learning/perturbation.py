@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.errors import InputError
-from physgnn.learning.interface import Body
 from physgnn.learning.point_responses import PointResponses
 from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import Elements, internal_force, make_elements
 from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
 from physgnn.mechanics.second_variation import SecondVariation

@@ -9,9 +9,10 @@ from physgnn.errors import InputError
 from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.features import load_features, physical_property
 from physgnn.learning.graph import Graph, as_float32
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Model
 from physgnn.learning.normalization import Normalizer
 from physgnn.learning.physgnn import PhysGNN
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import ELEMENTS
 from physgnn.mechanics.loads import LoadCase
 

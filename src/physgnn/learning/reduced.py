@@ -19,10 +19,11 @@ from torch import Tensor, nn
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.graph import Graph, as_float32
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Model
 from physgnn.learning.load_distance import LoadDistance, farthest
 from physgnn.learning.mesh_gradient import points_within
 from physgnn.mechanics.assembly import make_pattern
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.known_states import KnownState
 from physgnn.mechanics.linear_solver import make_linear_solver

@@ -18,6 +18,7 @@ from physgnn.learning.batches import Samples, Share
 from physgnn.learning.budget import Budget
 from physgnn.learning.callbacks import KeepBest, MetricsFile, Report
 from physgnn.learning.checkpoint import RECORD, WEIGHTS, Checkpoint
+from physgnn.learning.graph import graph_of
 from physgnn.learning.lightning_module import TrainingModule
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.members import (
@@ -174,7 +175,7 @@ def _at_once(parts: Sequence[Samples], config: TrainingConfig) -> int:
 
     def forward(n_samples: int) -> Tensor:
         inputs, true = default_collate([samples[i] for i in range(n_samples)])
-        return loss(model(inputs, model.body.graph), true)
+        return loss(model(inputs, graph_of(model.body)), true)
 
     n = min(config.batch_size, len(samples))
     return samples_at_once(model, forward, batch_size=n, limit_mb=config.memory_mb)

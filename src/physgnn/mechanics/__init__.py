@@ -1,5 +1,6 @@
 """Hyperelastic finite elements: materials, loads, equilibrium along a load path."""
 
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.gravity import Gravity
 from physgnn.mechanics.kernel_cache import drop_stale_kernels
 from physgnn.mechanics.kinematics import deformation_gradient
@@ -20,6 +21,7 @@ from physgnn.mechanics.solver import Solver, SolverOptions, solve
 
 __all__ = [
     "TISSUES",
+    "Body",
     "Gravity",
     "Load",
     "LoadCase",

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import make_pattern
+from physgnn.mechanics.body import fixed_points
 from physgnn.mechanics.descent import descend
 from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.known_states import KnownState, NearestKnown
@@ -29,7 +30,6 @@ from physgnn.mechanics.relaxation import (
     any_state_force,
     relax,
 )
-from physgnn.mechanics.rest_state import fixed_points
 from physgnn.mechanics.solution import Status
 from physgnn.mechanics.solver import SolverOptions
 

@@ -26,6 +26,7 @@ from physgnn.mechanics.materials.table import LAW_INDEX, MAX_CONSTANTS, Material
 FloatArray = NDArray[np.float64]
 
 ELEMENTS = ("tet4", "tet4-averaged")
+DEFAULT_ELEMENT = "tet4"
 NO_PRESSURE = np.empty(0)
 
 
@@ -58,8 +59,17 @@ class Elements:
     averaging: Averaging | None = None
 
 
+def checked_element(element: str) -> str:
+    """Return the name of an element; InputError if there is none of that name."""
+    if element not in ELEMENTS:
+        raise InputError(
+            f"element must be one of {', '.join(ELEMENTS)} (got {element!r})"
+        )
+    return element
+
+
 def make_elements(
-    mesh: TetMesh, materials: Mapping[int, Material], element: str = "tet4"
+    mesh: TetMesh, materials: Mapping[int, Material], element: str = DEFAULT_ELEMENT
 ) -> Elements:
     """Collect what the kernels need.
 
@@ -75,10 +85,7 @@ def make_elements(
     InputError
         If a region of the mesh has no material or the element is unknown.
     """
-    if element not in ELEMENTS:
-        raise InputError(
-            f"element must be one of {', '.join(ELEMENTS)} (got {element})"
-        )
+    checked_element(element)
     missing = sorted(set(np.unique(mesh.region).tolist()) - set(materials))
     if missing:
         raise InputError(

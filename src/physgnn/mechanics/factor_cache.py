@@ -22,6 +22,7 @@ from physgnn.mechanics.linear_solver import FACTOR_FILE, LinearSolver, PardisoSo
 
 FloatArray = NDArray[np.float64]
 
+FACTORS = ".factors"  # suffix of a folder of factors, beside mesh or store
 MAX_BYTES = 8 * 2**30
 CHECKSUM = "sha256"
 

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
+from physgnn.mechanics.body import fixed_points
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials.table import Material
-from physgnn.mechanics.rest_state import fixed_points
 
 FloatArray = NDArray[np.float64]
 

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import Pattern, make_pattern
-from physgnn.mechanics.element import ELEMENTS, make_elements
+from physgnn.mechanics.body import fixed_points
+from physgnn.mechanics.element import DEFAULT_ELEMENT, checked_element, make_elements
 from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.path_following import PathFollower
 from physgnn.mechanics.quasi_newton import QuasiNewton
-from physgnn.mechanics.rest_state import fixed_points
 from physgnn.mechanics.solution import Solution, Status
 
 FloatArray = NDArray[np.float64]
@@ -46,7 +46,7 @@ class SolverOptions:
     max_iterations: int = 40
     min_step: float = 1e-3
     threads: int = 1
-    element: str = "tet4"
+    element: str = DEFAULT_ELEMENT
 
     def __post_init__(self) -> None:
         if not self.tolerance_mm > 0 or not 0 < self.min_step < 1:
@@ -54,10 +54,7 @@ class SolverOptions:
                 "tolerance_mm must be > 0 and min_step in (0, 1) "
                 f"(got {self.tolerance_mm}, {self.min_step})"
             )
-        if self.element not in ELEMENTS:
-            raise InputError(
-                f"element must be one of {', '.join(ELEMENTS)} (got {self.element!r})"
-            )
+        checked_element(self.element)
 
 
 DEFAULT_OPTIONS = SolverOptions()

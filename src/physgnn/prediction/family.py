@@ -11,7 +11,6 @@ from physgnn.dataset.store import Store
 from physgnn.learning.adaptation import adapt
 from physgnn.learning.anchors import sample_forces
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body
 from physgnn.prediction.calibration import (
     COVERAGES,
     Calibration,
@@ -94,7 +93,7 @@ def calibrate_family(
 def _adapted(trained: Checkpoint, store: Store, split: Split) -> Predictor:
     """Return the predictor for a held-out patient, who gives loads but no answers."""
     forces = sample_forces(store, split.validation)
-    return Predictor.of(adapt(trained, Body.of(store), forces).model)
+    return Predictor.of(adapt(trained, store.body, forces).model)
 
 
 def on_new_loads(calibration: Calibration, loads: TrainedRange) -> Calibration:

@@ -2,8 +2,8 @@
 
 import time
 
-from physgnn.learning.interface import Body
 from physgnn.mechanics.approach import Approach
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.solution import Status
 from physgnn.prediction.prediction import ErrorEstimate, Prediction, PredictionStatus

@@ -12,12 +12,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.errors import InputError
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.continued import continued_force
-from physgnn.mechanics.element import make_elements
+from physgnn.mechanics.element import DEFAULT_ELEMENT, make_elements
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.rest_state import RestState
 from physgnn.prediction.linear import linear_answer
 from physgnn.prediction.prediction import Answer
 
@@ -52,7 +52,7 @@ def residual_indicator(body: Body, linear: Answer | None = None) -> Indicator:
     del linear
     if body.element != DEFAULT_ELEMENT:  # stress is continued in lone cells only
         raise InputError(f"indicator residual knows {DEFAULT_ELEMENT} elements only")
-    rest = body.rest_state()
+    rest = RestState(body)
     elements = make_elements(body.mesh, body.materials, body.element)
 
     def residual(case: LoadCase, displacement: FloatArray) -> FloatArray:

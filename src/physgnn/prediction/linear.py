@@ -1,6 +1,7 @@
 """Linear elasticity, u = K₀⁻¹ f: the baseline no network may lose to."""
 
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.rest_state import RestState
 from physgnn.prediction.prediction import Answer
 
 
@@ -9,5 +10,5 @@ def linear_answer(body: Body) -> Answer:
 
     The factorisation of K₀ is done here, once; an answer costs one back-solve.
     """
-    rest = body.rest_state()
+    rest = RestState(body)
     return lambda case: rest.solve(case.on_points(body.mesh.n_points))

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import torch
 
+from physgnn.learning.graph import graph_of
 from physgnn.learning.interface import Model
 from physgnn.learning.lifted import LiftedModel, body_axes
 from physgnn.learning.reduced import ReducedModel
@@ -59,7 +60,7 @@ def first_cases(model: Model) -> Iterator[LoadCase]:
 def network_answer(model: Model, *, device: str = "cpu") -> Answer:
     """Return a model as a function from load case to displacement."""
     model = model.to(device).eval()
-    graph = model.body.graph.to(device)
+    graph = graph_of(model.body).to(device)
 
     @torch.inference_mode()
     def answer(load_case: LoadCase) -> FloatArray:

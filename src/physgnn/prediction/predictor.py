@@ -10,9 +10,10 @@ import torch
 
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Body, Model
+from physgnn.learning.interface import Model
 from physgnn.learning.precision import set_precision
 from physgnn.mechanics.approach import Approach
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.known_states import NearestKnown
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.relaxation import Relaxation

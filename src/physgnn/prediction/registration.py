@@ -27,8 +27,8 @@ from physgnn.errors import InputError
 from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.surface_points import SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import fixed_points
 from physgnn.mechanics.materials.table import Material
-from physgnn.mechanics.rest_state import fixed_points
 from physgnn.prediction.gaussian import Posterior, choose_variances, condition
 from physgnn.prediction.load_modes import load_modes
 from physgnn.prediction.measurement import (

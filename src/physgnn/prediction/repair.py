@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physgnn.learning.interface import Body
+from physgnn.learning.graph import graph_of
 from physgnn.learning.near_loads import FEW
 from physgnn.mechanics.approach import Approach
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.solution import Status
 from physgnn.prediction.prediction import (
@@ -65,7 +66,7 @@ def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
     loaded = case.nodes[case.forces.any(axis=1)]
     if len(loaded) > FEW:
         return 0.0
-    graph = body.graph
+    graph = graph_of(body)
     rows = zip(graph.row_start[loaded], graph.row_start[loaded + 1], strict=True)
     edges = np.array([float((1 / graph.weight[a:b]).mean()) for a, b in rows])
     way = np.linalg.norm(displacement[loaded], axis=1)

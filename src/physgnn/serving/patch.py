@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from physgnn.errors import InputError
 from physgnn.geometry import boundary_points, boundary_surface, vertex_normals
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.pushes import patch_shares
 

@@ -8,7 +8,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 
 from physgnn.errors import InputError
-from physgnn.learning.interface import Body
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Prediction
 
@@ -30,8 +30,7 @@ class Refiner:
     """
 
     def __init__(self, body: Body) -> None:
-        # without the graph it may have cached, which would be sent along
-        self._body = Body(body.mesh, body.materials, body.fixed, body.element)
+        self._body = body
         self._turn = asyncio.Lock()
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None

@@ -11,7 +11,8 @@ from physgnn.bundled import BUNDLED_RUN
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
-from physgnn.learning.interface import FACTORS, Body
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.factor_cache import FACTORS
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.indicators import Indicator

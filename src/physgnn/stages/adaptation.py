@@ -55,7 +55,7 @@ def adapt_run(
     """
     from physgnn.learning.adaptation import adapt
     from physgnn.learning.checkpoint import RECORD, Checkpoint
-    from physgnn.learning.interface import Body
+    from physgnn.mechanics.body import Body
     from physgnn.prediction.calibration import Calibration
     from physgnn.prediction.family import on_new_loads
     from physgnn.prediction.predictor import CALIBRATION_FILE, RELAXATION_FILE
@@ -69,7 +69,7 @@ def adapt_run(
     start = time.perf_counter()
     preset = find_preset(preset) if isinstance(preset, str) else preset
     mesh, paths = preset.on(mesh)
-    body = Body(mesh, preset.materials, mesh.point_set("fixed"), preset.element)
+    body = Body(mesh, preset.materials, element=preset.element)
     cases = [path.case(path.n_levels - 1) for path in paths]
     forces = np.stack([case.on_points(mesh.n_points) for case in cases])
     adapt(trained, body, forces).save(out)

@@ -1,0 +1,142 @@
+"""The finite-element problem, all but the load: mesh, materials, fixed points, element.
+
+What follows from these alone and is needed again and again, the elements and the
+pattern of the tangent, is made once a body and shared by all who solve on it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.assembly import Pattern, make_pattern
+from physgnn.mechanics.element import (
+    DEFAULT_ELEMENT,
+    Elements,
+    checked_element,
+    make_elements,
+)
+from physgnn.mechanics.materials.table import Material
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Body:
+    """A mesh, what it is made of, and where it is held.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The mesh.
+    materials : mapping of int to Material
+        The material of every region the mesh has.
+    fixed : str or integer array
+        Points that cannot move: the name of a point set, or indices.
+    element : str
+        "tet4", linear tetrahedra as published, or "tet4-averaged", which do not lock
+        as ν nears 0.5 (`physgnn.mechanics.averaging`).
+    factors : Path, optional
+        Folder where the factor of a large body is kept from run to run. It may be
+        deleted at any time.
+
+    Attributes
+    ----------
+    fixed : (n_fixed,) int64 array
+        Indices of the fixed points, sorted.
+
+    Raises
+    ------
+    InputError
+        If a region has no material, the element is unknown, a fixed point is not in
+        the mesh, or there are fewer than three.
+    """
+
+    mesh: TetMesh
+    materials: Mapping[int, Material]
+    fixed: IntArray
+    element: str
+    factors: Path | None
+
+    def __init__(
+        self,
+        mesh: TetMesh,
+        materials: Mapping[int, Material],
+        fixed: str | IntArray = "fixed",
+        *,
+        element: str = DEFAULT_ELEMENT,
+        factors: Path | None = None,
+    ) -> None:
+        _check_regions(mesh, materials)
+        for name, value in (
+            ("mesh", mesh),
+            ("materials", materials),
+            ("fixed", fixed_points(mesh, fixed)),
+            ("element", checked_element(element)),
+            ("factors", factors),
+        ):
+            object.__setattr__(self, name, value)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A copy, or another process, makes its own elements and pattern.
+        return _restored, (
+            self.mesh, self.materials, self.fixed, self.element, self.factors,
+        )  # fmt: skip
+
+    @cached_property
+    def elements(self) -> Elements:
+        """Gradients, volumes and laws of all cells, made when first asked for."""
+        return make_elements(self.mesh, self.materials, self.element)
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """The tangent's pattern over the free points, made when first asked for."""
+        return self.pattern_without()
+
+    def pattern_without(self, held: IntArray | None = None) -> Pattern:
+        """Return the tangent's pattern with more points held than the fixed ones."""
+        still = self.fixed if held is None else np.union1d(self.fixed, held)
+        averaging = self.elements.averaging
+        return make_pattern(self.mesh.cells, self.mesh.n_points, still, averaging)
+
+
+def _restored(
+    mesh: TetMesh,
+    materials: Mapping[int, Material],
+    fixed: IntArray,
+    element: str,
+    factors: Path | None,
+) -> Body:
+    return Body(mesh, materials, fixed, element=element, factors=factors)
+
+
+def _check_regions(mesh: TetMesh, materials: Mapping[int, Material]) -> None:
+    missing = sorted(set(np.unique(mesh.region).tolist()) - set(materials))
+    if missing:
+        raise InputError(
+            f"region {missing[0]} has no material (materials are given for "
+            f"{sorted(materials)})"
+        )
+
+
+def fixed_points(mesh: TetMesh, fixed: str | IntArray) -> IntArray:
+    """Return the fixed points' indices, sorted; InputError if they cannot serve."""
+    points = mesh.point_set(fixed) if isinstance(fixed, str) else np.asarray(fixed)
+    points = np.unique(points).astype(np.int64)
+    if len(points) < 3:
+        raise InputError(
+            f"at least three points must be fixed (got {len(points)}): "
+            "otherwise the body floats away"
+        )
+    if points[0] < 0 or points[-1] >= mesh.n_points:
+        raise InputError(
+            f"fixed points must index 0…{mesh.n_points - 1} "
+            f"(got {points[0]}…{points[-1]})"
+        )
+    return points
