@@ -20,12 +20,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from physgnn.learning.interface import Model
+from physgnn.prediction.network import nearest_known
 
 from held_out import Log, lengths
 from physgnn.dataset import Store, named_split
 from physgnn.geometry.boundary import boundary_surface
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Model
 from physgnn.mechanics import LoadCase, LoadPath, Solver, SolverOptions, Status
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.body import Body
@@ -35,7 +36,6 @@ from physgnn.mechanics.load_paths import (
     inward_normals,
     uniform_directions,
 )
-from physgnn.prediction.network import nearest_known
 from physgnn.prediction.prediction import Prediction, PredictionStatus
 from physgnn.prediction.predictor import Predictor
 from physgnn.prediction.repair import SAFETY, depth

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from physgnn.prediction.network import network_answer
 
 from physgnn.dataset import Store, named_split
 from physgnn.learning.adaptation import adapt
@@ -23,7 +24,6 @@ from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.prediction import linear_answer
-from physgnn.prediction.network import network_answer
 from physgnn.prediction.prediction import Answer
 from tables import machine, table
 

@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from physgnn.learning.interface import Model
 
 from physgnn.dataset import Store, named_split
-from physgnn.learning.interface import Model
 from physgnn.learning.models import FITTED, build_model
 
 LEVELS = np.arange(5, 31, 5)

@@ -12,14 +12,14 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from physgnn.prediction.linear import linear_answer
+from physgnn.prediction.network import nearest_known
 
 from held_out import Log, Sample, lengths, spread
 from physgnn.dataset import Store, named_split
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.finite_element import FiniteElementPredictor
-from physgnn.prediction.linear import linear_answer
-from physgnn.prediction.network import nearest_known
 from physgnn.prediction.prediction import Predict, Prediction
 from physgnn.prediction.predictor import Predictor
 from tables import machine, table

@@ -5,20 +5,30 @@ import pytest
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.evaluation import baselines
 from physgnn.evaluation.baselines import (
-    BASELINES,
     QUICK,
+    baseline_names,
     baseline_rows,
     named_baselines,
 )
 from physgnn.evaluation.held_out import HeldOut
-from physgnn.learning.models import FITTED
-from physgnn.prediction.classical import REGRESSORS
+from physgnn.learning import reduced
+from physgnn.learning.models import model_class
+
+BASELINES = (
+    "zero", "linear", "level_interpolation", "pod_network", "extra_trees",
+    "nodal_network", "galerkin", "reduced",
+)  # fmt: skip
 
 
 def names(held_out: HeldOut, seeds: tuple[int, ...] = (0,)) -> list[str]:
     return [row.name for row in baseline_rows(BASELINES, held_out, seeds=seeds)]
+
+
+def test_what_is_trained_step_by_step_is_no_baseline(store: Store) -> None:
+    assert baseline_names() == (*BASELINES, "finite_element")
+    with pytest.raises(InputError, match=r"no baseline 'lifted': .* train it"):
+        baseline_rows(["lifted"], HeldOut.of(store, "path"))
 
 
 def test_baselines_are_offered_where_they_apply(store: Store) -> None:
@@ -26,7 +36,7 @@ def test_baselines_are_offered_where_they_apply(store: Store) -> None:
     published, path, mesh = (
         names(HeldOut.of(store, split)) for split in ("published", "path", "mesh")
     )
-    assert published == list(BASELINES)
+    assert published == [*BASELINES]
     assert path == [name for name in BASELINES if name != "level_interpolation"]
     assert mesh == ["zero", "linear"]
 
@@ -37,7 +47,7 @@ def test_the_reduced_model_stands_beside_loads_on_few_points_unless_named(
     held_out = HeldOut.of(store, "path")
     n_loaded = len(store.load_path(0).nodes)
     for few, offered in ((n_loaded, True), (n_loaded - 1, False)):
-        monkeypatch.setattr(baselines, "FEW", few)
+        monkeypatch.setattr(reduced, "FEW", few)
         assert ("reduced" in named_baselines("all", held_out)) == offered
         assert named_baselines("reduced", held_out) == ("reduced",)
     (row,) = baseline_rows(["reduced"], held_out)
@@ -78,6 +88,8 @@ def test_learners_are_fitted_to_the_training_part_alone(
         return read(self, path)
 
     monkeypatch.setattr(Store, "displacement", watched)
-    for row in baseline_rows([*REGRESSORS, *FITTED], held_out):
+    learners = [name for name in BASELINES if model_class(name).learns]
+    assert len(learners) == 5
+    for row in baseline_rows(learners, held_out):
         row.make()
     assert seen == set(held_out.train[:, 0].tolist())

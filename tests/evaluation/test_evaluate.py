@@ -1,6 +1,7 @@
 """Pooled and per-sample errors against everything computed at once."""
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,20 +14,23 @@ from physgnn.evaluation.held_out import NONE, HeldOut
 from physgnn.evaluation.metrics import points_near, points_of_region
 from physgnn.evaluation.result import Report
 from physgnn.evaluation.rows import Row
+from physgnn.learning.surrogate import FloatArray, FromFunction
 from physgnn.mechanics.loads import LoadCase
-from physgnn.prediction.prediction import Answer, Prediction
+from physgnn.prediction.prediction import Prediction
 from physgnn.prediction.predictor import Predictor
 
+Displacement = Callable[[LoadCase], FloatArray]
 
-def rows(store: Store, **answers: Answer) -> list[Row]:
+
+def rows(store: Store, **answers: Displacement) -> list[Row]:
     body = store.body
     return [
-        Row(name, make=lambda answer=answer: Predictor(body, answer))
+        Row(name, make=lambda answer=answer: Predictor(FromFunction(body, answer)))
         for name, answer in answers.items()
     ]
 
 
-def swaying(store: Store) -> Answer:
+def swaying(store: Store) -> Displacement:
     """A wrong predictor whose error depends on load and node."""
     points = store.mesh.points
 
@@ -116,7 +120,7 @@ def test_predictors_are_made_one_after_another(store: Store) -> None:
         def __init__(self, name: str) -> None:
             assert alive == []
             alive.append(name)
-            self.answer = Predictor(store.body, swaying(store))
+            self.answer = Predictor(FromFunction(store.body, swaying(store)))
 
         def __call__(self, case: LoadCase, **_: object) -> Prediction:
             return self.answer(case)
@@ -135,7 +139,7 @@ def test_training_time_is_what_making_takes_unless_it_is_known(store: Store) -> 
         end = time.process_time() + 0.3
         while time.process_time() < end:
             pass
-        return Predictor(store.body, swaying(store))
+        return Predictor(FromFunction(store.body, swaying(store)))
 
     measured = measure(Row("busy", busy, seed=2), held_out)
     assert measured.minutes is not None

@@ -7,17 +7,18 @@ import pytest
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.learning.baselines.linear import Linear
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import Calibration, calibrate
 from physgnn.prediction.indicators import INDICATORS
-from physgnn.prediction.linear import linear_answer
 
 
 @pytest.fixture(scope="module")
 def calibration(store: Store, body: Body, parts: tuple) -> Calibration:
-    indicator = INDICATORS["displacement"](body)
-    return calibrate(linear_answer(body), ("displacement", indicator), store, parts[:2])
+    linear = Linear(body)
+    indicator = ("displacement", INDICATORS["displacement"](linear))
+    return calibrate(linear, indicator, store, parts[:2])
 
 
 def test_bounds_cover_what_they_were_calibrated_on(
@@ -26,7 +27,8 @@ def test_bounds_cover_what_they_were_calibrated_on(
     """Four paths cannot promise 90 %, so the bound is the largest score seen."""
     assert calibration.coverage == pytest.approx(4 / 5)
     assert (calibration.n_paths, calibration.n_samples) == (4, 12)
-    answer, indicator = linear_answer(body), INDICATORS["displacement"](body)
+    answer = Linear(body).predict
+    indicator = INDICATORS["displacement"](Linear(body))
     for path, level in parts[1]:
         case = store.load_case(path, level)
         predicted = answer(case)
@@ -40,18 +42,19 @@ def test_correction_indicates_nothing_for_the_linear_solution(
     store: Store, body: Body
 ) -> None:
     case = store.load_case(0, 2)
-    correction = INDICATORS["correction"](body)(case, linear_answer(body)(case))
+    linear = Linear(body)
+    correction = INDICATORS["correction"](linear)(case, linear.predict(case))
     assert np.abs(correction).max() < 1e-9
 
 
 def test_residual_indicates_the_error(store: Store, body: Body) -> None:
     """Nothing where there is none; all of it near rest; finite with inverted cells."""
     case, truth = store.load_case(0, 0), store.displacement(0)[0]
-    residual = INDICATORS["residual"](body)
+    residual = INDICATORS["residual"](Linear(body))
     assert np.abs(residual(case, truth.astype(float))).max() < 1e-4
     # about the rest state K₀ is the tangent, and the residual the error
     slight = LoadCase(case.nodes, 1e-4 * case.forces)
-    answer = linear_answer(body)(slight)
+    answer = Linear(body).predict(slight)
     indicated = residual(slight, 1.1 * answer)
     np.testing.assert_allclose(
         indicated, -0.1 * answer, atol=1e-3 * np.abs(answer).max()
@@ -74,9 +77,9 @@ def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
 
 def test_calibration_needs_samples(store: Store, body: Body, parts: tuple) -> None:
     nothing = np.empty((0, 2), dtype=np.int64)
-    indicator = ("displacement", INDICATORS["displacement"](body))
+    indicator = ("displacement", INDICATORS["displacement"](Linear(body)))
     with pytest.raises(InputError, match="validation samples"):
-        calibrate(linear_answer(body), indicator, store, (parts[0], nothing))
+        calibrate(Linear(body), indicator, store, (parts[0], nothing))
 
 
 def test_other_promises_have_other_factors(calibration: Calibration) -> None:
@@ -91,8 +94,8 @@ def test_other_promises_have_other_factors(calibration: Calibration) -> None:
 def test_a_higher_promise_has_no_smaller_factor(
     store: Store, body: Body, parts: tuple
 ) -> None:
-    indicator = ("displacement", INDICATORS["displacement"](body))
-    answer = linear_answer(body)
+    answer = Linear(body)
+    indicator = ("displacement", INDICATORS["displacement"](answer))
     found = calibrate(answer, indicator, store, parts[:2], coverages=(0.5, 0.75))
     stricter = found.at(0.75)
     assert stricter.coverage == 0.75

@@ -8,15 +8,16 @@ import pytest
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.learning.baselines.linear import Linear
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.graph import graph_of
 from physgnn.learning.models import build_model
+from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import RELAXATION, calibrate
 from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.indicators import INDICATORS
-from physgnn.prediction.linear import linear_answer
 from physgnn.prediction.prediction import PredictionStatus
 from physgnn.prediction.predictor import (
     CALIBRATION_FILE,
@@ -31,10 +32,10 @@ SOLVER_MM = 1e-3  # two solves of one case agree at least this well
 
 @pytest.fixture(scope="module")
 def predictor(store: Store, body: Body, parts: tuple) -> Predictor:
-    answer = linear_answer(body)
-    indicator = ("displacement", INDICATORS["displacement"](body))
-    calibration = calibrate(answer, indicator, store, parts[:2])
-    return Predictor(body, answer, calibration=calibration)
+    linear = Linear(body)
+    indicator = ("displacement", INDICATORS["displacement"](linear))
+    calibration = calibrate(linear, indicator, store, parts[:2])
+    return Predictor(linear, calibration=calibration)
 
 
 def test_carries_its_estimate(store: Store, predictor: Predictor, parts: tuple) -> None:
@@ -82,7 +83,7 @@ def test_outside_the_trained_range(store: Store, predictor: Predictor) -> None:
 def test_a_useless_answer_is_solved_from_rest(store: Store, body: Body) -> None:
     """Whatever the network says, a tolerance is met or the status says it is not."""
     case, truth = store.load_case(0, 2), store.displacement(0)[2]
-    lost = Predictor(body, lambda _: np.full(truth.shape, np.nan))
+    lost = Predictor(FromFunction(body, lambda _: np.full(truth.shape, np.nan)))
     prediction = lost(case, tolerance_mm=0.01)
     assert prediction.status is PredictionStatus.SOLVED
     assert np.linalg.norm(prediction.displacement - truth, axis=1).max() < 0.01
@@ -94,7 +95,9 @@ def test_an_answer_its_maker_does_not_trust_is_no_start_of_a_repair(
     case, truth = store.load_case(0, 2), store.displacement(0)[2]
     near = truth + 1e-3 * np.sin(body.mesh.points) * (truth != 0)
     for sound, status in ((True, "REPAIRED"), (False, "SOLVED")):
-        predictor = Predictor(body, lambda _: near, sound=lambda _, s=sound: s)
+        surrogate = FromFunction(body, lambda _: near)
+        surrogate.is_sound = lambda _, s=sound: s  # type: ignore[method-assign]
+        predictor = Predictor(surrogate)
         prediction = predictor(case, tolerance_mm=0.01)
         assert prediction.status.name == status
         assert np.linalg.norm(prediction.displacement - truth, axis=1).max() < 0.01
@@ -104,7 +107,7 @@ def test_the_estimate_is_larger_where_an_answer_does_not_tell_its_equilibrium(
     body: Body, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = LoadCase(body.mesh.point_set("loaded")[:1], np.array([[0.0, 0.0, -0.01]]))
-    predictor = Predictor(body, linear_answer(body))
+    predictor = Predictor(Linear(body))
     shallow = predictor(case, estimate="physical").likely_error_mm
     monkeypatch.setattr("physgnn.prediction.predictor.UNSURE_FROM", 1e-6)
     deep = predictor(case, estimate="physical").likely_error_mm
@@ -127,7 +130,7 @@ def test_never_a_good_status_for_a_load_that_cannot_be_solved(
 def test_without_calibration_a_tolerance_means_a_repair(
     store: Store, body: Body
 ) -> None:
-    predictor, case = Predictor(body, linear_answer(body)), store.load_case(0, 2)
+    predictor, case = Predictor(Linear(body)), store.load_case(0, 2)
     assert predictor(case).error_estimate_mm is None
     assert predictor(case, tolerance_mm=1e3).status is PredictionStatus.REPAIRED
 
@@ -177,10 +180,10 @@ def test_the_physical_estimate_is_near_and_its_bound_holds(
     store: Store, body: Body, parts: tuple
 ) -> None:
     """Of the linear answer, which is up to a tenth of a millimetre off."""
-    answer = linear_answer(body)
-    plain = Predictor(body, answer)
-    relaxation = calibrate(answer, (RELAXATION, plain.error), store, parts[:2])
-    predictor = Predictor(body, answer, relaxation=relaxation)
+    linear = Linear(body)
+    plain = Predictor(linear)
+    relaxation = calibrate(linear, (RELAXATION, plain.error), store, parts[:2])
+    predictor = Predictor(linear, relaxation=relaxation)
     held = []
     for path, level in parts[2]:
         found = predictor(store.load_case(path, level), estimate="physical")

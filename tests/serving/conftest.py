@@ -7,12 +7,13 @@ import pytest
 from live_server import Address, serving
 
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.baselines.linear import Linear
+from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.indicators import INDICATORS
-from physgnn.prediction.linear import linear_answer
 from physgnn.prediction.predictor import Predictor
 from physgnn.prediction.trained_range import TrainedRange
 from physgnn.serving.engine import Engine
@@ -33,7 +34,7 @@ def viewed(body: Body) -> Viewed:
     """A body with a stand-in for a network, calibrated by hand."""
     top = body.mesh.point_set("loaded")
     down = np.tile([0.0, 0.0, -0.02 / len(top)], (len(top), 1))
-    linear = linear_answer(body)
+    linear = Linear(body)
     calibration = Calibration(
         indicator="displacement",
         coverage=0.9,
@@ -43,14 +44,15 @@ def viewed(body: Body) -> Viewed:
         n_samples=9,
         trained_range=TrainedRange.from_cases([LoadCase(top, down)]),
     )
-    network = Predictor(body, lambda case: WARM * linear(case), calibration=calibration)
+    warm = FromFunction(body, lambda case: WARM * linear.predict(case))
+    network = Predictor(warm, calibration=calibration)
     return Viewed(
         title="block",
         body=body,
-        answers={"network": network, "linear": Predictor(body, linear)},
+        answers={"network": network, "linear": Predictor(linear)},
         exposed=Exposed.of(body, top),
         calibration=calibration,
-        indicator=INDICATORS["displacement"](body),
+        indicator=INDICATORS["displacement"](warm),
     )
 
 

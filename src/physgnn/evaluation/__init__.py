@@ -1,6 +1,6 @@
 """Errors of predictors on held-out samples: tables, figures and a report."""
 
-from physgnn.evaluation.baselines import BASELINES, baseline_rows
+from physgnn.evaluation.baselines import baseline_names, baseline_rows
 from physgnn.evaluation.evaluate import evaluate
 from physgnn.evaluation.held_out import HeldOut
 from physgnn.evaluation.result import ModelErrors, Report
@@ -13,12 +13,12 @@ from physgnn.evaluation.run import (
 )
 
 __all__ = [
-    "BASELINES",
     "Comparison",
     "HeldOut",
     "ModelErrors",
     "Report",
     "Row",
+    "baseline_names",
     "baseline_rows",
     "evaluate",
     "evaluate_run",

@@ -1,110 +1,27 @@
-"""Baselines that every model is shown beside, each a predictor like any other."""
+"""Baselines: methods that are fitted on the spot, to show every model beside."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-
-import numpy as np
+import hashlib
+import inspect
+import sys
+from collections.abc import Iterable, Sequence
+from functools import cache
 
 from physgnn.errors import InputError
 from physgnn.evaluation.held_out import HeldOut
-from physgnn.evaluation.level_interpolation import LevelInterpolation
 from physgnn.evaluation.rows import Row
-from physgnn.learning.models import build_model
-from physgnn.prediction.classical import REGRESSORS, regressor_answer
-from physgnn.prediction.linear import linear_answer
-from physgnn.prediction.network import network_answer
+from physgnn.learning.models import MODELS, build_model, is_model, model_class
+from physgnn.learning.network import Network
+from physgnn.learning.surrogate import Surrogate
 from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import Predictor
 
-FEW = 30  # loaded points; about more the reduced model takes seconds a prediction
-
-
-def _always(_: HeldOut) -> bool:
-    return True
-
-
-@dataclass(frozen=True)
-class Baseline:
-    """How to make a predictor to compare with.
-
-    Attributes
-    ----------
-    make : callable
-        From what is held out and a seed to the predictor.
-    applies : callable
-        Whether it can be made.
-    is_meant : callable
-        Whether it is meant for such loads: else it must be asked for by name.
-    learns : bool
-        Whether making it is training, whose time counts.
-    draws : bool
-        Whether it depends on the seed.
-    """
-
-    make: Callable[[HeldOut, int], Predict]
-    applies: Callable[[HeldOut], bool] = _always
-    is_meant: Callable[[HeldOut], bool] = _always
-    learns: bool = False
-    draws: bool = False
-
-
-def _zero(held_out: HeldOut, _: int) -> Predict:
-    body = held_out.store.body
-    nothing = np.zeros_like(body.mesh.points)
-    return Predictor(body, lambda _: nothing)
-
-
-def _linear(held_out: HeldOut, _: int) -> Predict:
-    body = held_out.store.body
-    return Predictor(body, linear_answer(body))
-
-
-def _interpolation(held_out: HeldOut, _: int) -> Predict:
-    answer = LevelInterpolation(held_out.store, held_out.train)
-    return Predictor(held_out.store.body, answer)
-
-
-def _knows_paths(held_out: HeldOut) -> bool:
-    return bool(np.isin(held_out.test[:, 0], held_out.train[:, 0]).all())
-
-
-def _has_examples(held_out: HeldOut) -> bool:
-    return len(held_out.train) > 0
-
-
-def _loads_few_points(held_out: HeldOut) -> bool:
-    paths = np.unique(held_out.test[:, 0]).tolist()
-    widest = max(len(held_out.store.load_path(path).nodes) for path in paths)
-    return widest <= FEW
-
-
-def _regressor(name: str) -> Baseline:
-    def make(held_out: HeldOut, seed: int) -> Predict:
-        store = held_out.store
-        answer = regressor_answer(name, store, held_out.train, seed)
-        return Predictor(store.body, answer)
-
-    return Baseline(make, _has_examples, learns=True, draws=True)
-
-
-def _fitted(name: str, is_meant: Callable[[HeldOut], bool] = _always) -> Baseline:
-    def make(held_out: HeldOut, _: int) -> Predict:
-        model = build_model(name, held_out.store.body)
-        model.fit(held_out.store, held_out.train)
-        return Predictor(model.body, network_answer(model))
-
-    return Baseline(make, _has_examples, is_meant, learns=True)
-
-
-BASELINES: Mapping[str, Baseline] = {
-    "zero": Baseline(_zero),
-    "linear": Baseline(_linear),
-    "level_interpolation": Baseline(_interpolation, _knows_paths),
-    **{name: _regressor(name) for name in REGRESSORS},
-    "galerkin": _fitted("galerkin"),
-    "reduced": _fitted("reduced", _loads_few_points),
-}
 QUICK = ("zero", "linear", "level_interpolation")  # made in seconds
+
+
+@cache
+def baseline_names() -> tuple[str, ...]:
+    """Return the methods there are that are fitted in one go."""
+    return tuple(k for k in MODELS if not issubclass(model_class(k), Network))
 
 
 def named_baselines(text: str, held_out: HeldOut) -> tuple[str, ...]:
@@ -112,15 +29,28 @@ def named_baselines(text: str, held_out: HeldOut) -> tuple[str, ...]:
 
     ``all`` are those that are meant for such loads.
     """
-    meant = tuple(k for k, row in BASELINES.items() if row.is_meant(held_out))
-    known = {"quick": QUICK, "all": meant}
-    return known.get(text, tuple(name.strip() for name in text.split(",")))
+    store, test = held_out.store, held_out.test
+    if text == "all":
+        names = baseline_names()
+        return tuple(k for k in names if model_class(k).is_meant_for(store, test))
+    if text == "quick":
+        return QUICK
+    return tuple(name.strip() for name in text.split(","))
 
 
 def baseline_rows(
     names: Iterable[str], held_out: HeldOut, *, seeds: Sequence[int] = (0,)
 ) -> list[Row]:
     """Return a row for each baseline that applies, and each seed if it draws any.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of `baseline_names`, or ``module:Class`` of one's own.
+    held_out : HeldOut
+        What is tested on, and what may be learnt from.
+    seeds : sequence of int
+        Those that the runs beside have.
 
     Raises
     ------
@@ -129,21 +59,46 @@ def baseline_rows(
     """
     rows = []
     for name in names:
-        if name not in BASELINES:
-            raise InputError(
-                f"no baseline '{name}' (there are: {', '.join(BASELINES)})"
-            )
-        if BASELINES[name].applies(held_out):
-            drawn = seeds if BASELINES[name].draws else (None,)
-            rows += [_row(name, held_out, seed) for seed in drawn]
+        method = _baseline(name)
+        if method.applies_to(held_out.store, held_out.train, held_out.test):
+            drawn = seeds if method.draws else (None,)
+            rows += [_row(name, method, held_out, seed) for seed in drawn]
     return rows
 
 
-def _row(name: str, held_out: HeldOut, seed: int | None) -> Row:
-    baseline = BASELINES[name]
+def _baseline(name: str) -> type[Surrogate]:
+    if not is_model(name):
+        raise InputError(
+            f"no baseline '{name}' (there are: {', '.join(baseline_names())}; name one "
+            "of your own as module:Class)"
+        )
+    method = model_class(name)
+    if issubclass(method, Network):
+        raise InputError(
+            f"no baseline '{name}': it is trained step by step; train it, and name its "
+            "run beside the others"
+        )
+    return method
+
+
+def _row(
+    name: str, method: type[Surrogate], held_out: HeldOut, seed: int | None
+) -> Row:
+    def make() -> Predict:
+        surrogate = build_model(name, held_out.store.body)
+        surrogate.fit(held_out.store, held_out.train, seed or 0)
+        return Predictor(surrogate)
+
     return Row(
         name,
-        lambda: baseline.make(held_out, seed or 0),
+        make,
         seed=seed,
-        minutes=None if baseline.learns else 0.0,
+        minutes=None if method.learns else 0.0,
+        origin="" if name in MODELS else _source_digest(method),
     )
+
+
+def _source_digest(method: type[Surrogate]) -> str:
+    """Return a digest of the file a class is in: changed, it is measured anew."""
+    source = inspect.getsource(sys.modules[method.__module__])
+    return hashlib.sha256(source.encode()).hexdigest()

@@ -84,7 +84,7 @@ def _measured(
 ) -> BarSample:
     store = held_out.store
     case = store.load_case(path, level)
-    answer = predictor.answer(case)
+    answer = predictor.surrogate.predict(case)
     error = np.linalg.norm(store.displacement(path)[level] - answer, axis=1)
     field = predictor.error(case, answer)
     likely = np.linalg.norm(field, axis=1)

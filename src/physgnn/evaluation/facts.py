@@ -48,12 +48,11 @@ def model_facts(checkpoint: Checkpoint) -> dict[str, Any]:
     """Return what the network is and what training it cost."""
     record = checkpoint.record
     config, training = record["config"], record.get("training", {})
-    n_weights = sum(p.numel() for p in checkpoint.model.parameters())
     split = record["split"]
     return {
         "model": config["model"],
         "options": _pairs(config["options"]),
-        "weights": f"{n_weights:,}",
+        "weights": f"{checkpoint.model.n_weights:,}",
         "trained_on": f"split '{split['name']}': {split['train']} training and "
         f"{split['validation']} validation samples",
         "training": _pairs(training),

@@ -45,4 +45,5 @@ class KeptRows:
     def _file(self, row: Row) -> Path:
         digest = self._digest.copy()
         digest.update(repr((row.seed, row.origin, row.tolerance_mm)).encode())
-        return self._folder / f"{row.name}-{digest.hexdigest()[:16]}.json"
+        name = row.name.replace(":", ".")  # of module:Class
+        return self._folder / f"{name}-{digest.hexdigest()[:16]}.json"

@@ -48,7 +48,7 @@ class Comparison:
     Parameters
     ----------
     baselines : str
-        ``quick``, ``all``, or rows of `BASELINES` with commas between; those that do
+        ``quick``, ``all``, or names of methods with commas between; those that do
         not apply to the split are left out.
     tolerance_mm : float or None
         Adds the last run's first seed with every prediction made to keep this.

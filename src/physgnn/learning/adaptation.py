@@ -1,9 +1,7 @@
-"""A trained network on a body it never saw: equilibria found there, nothing learnt."""
+"""A trained surrogate on a body it never saw: nothing is learnt there."""
 
-from physgnn.errors import InputError
 from physgnn.learning.anchors import FloatArray
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.lifted import LiftedModel
 from physgnn.learning.models import build_model
 from physgnn.learning.run_record import trained_meshes
 from physgnn.mechanics.body import Body
@@ -13,7 +11,7 @@ OF_THE_BODY = ("mesh_hash", "element", "materials", "format_version")
 
 
 def adapt(checkpoint: Checkpoint, body: Body, forces: FloatArray) -> Checkpoint:
-    """Return a trained network for another body.
+    """Return a trained surrogate for another body.
 
     Parameters
     ----------
@@ -31,15 +29,9 @@ def adapt(checkpoint: Checkpoint, body: Body, forces: FloatArray) -> Checkpoint:
         If the network belongs to its body.
     """
     config = checkpoint.record["config"]
-    if not isinstance(checkpoint.model, LiftedModel):
-        raise InputError(
-            f"a network of model {config['model']} belongs to its mesh: train model "
-            "lifted with modes = 0"
-        )
     model = build_model(config["model"], body, **config["options"])
-    assert isinstance(model, LiftedModel)
-    model.share_weights(checkpoint.model)
-    model.expect(forces)
+    model.transfer(checkpoint.model, forces)
     record = {k: v for k, v in checkpoint.record.items() if k not in OF_THE_BODY}
     data = {**record["data"], "meshes": trained_meshes(checkpoint.record)}
-    return Checkpoint(model.eval(), {**record, "data": data})
+    model.prepare()
+    return Checkpoint(model, {**record, "data": data})

@@ -10,7 +10,7 @@ from torch import Tensor
 from torch.utils.data import Dataset, Sampler
 
 from physgnn.dataset.store import Store
-from physgnn.learning.interface import Model
+from physgnn.learning.network import Network
 from physgnn.learning.sample_cache import SampleCache
 
 IntArray = NDArray[np.int64]
@@ -36,7 +36,7 @@ class Samples(Dataset[Batch]):
         Read once a sample if there's a cache.
     samples : (n, 2) array
         Path and level.
-    model : Model
+    model : Network
         Encodes the load; already fitted.
     cache : SampleCache, optional
         Without, every sample is made whenever it's asked for.
@@ -46,7 +46,7 @@ class Samples(Dataset[Batch]):
         self,
         store: Store,
         samples: IntArray,
-        model: Model,
+        model: Network,
         cache: SampleCache | None = None,
     ) -> None:
         self.store = store

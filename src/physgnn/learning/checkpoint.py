@@ -1,4 +1,4 @@
-"""A trained model on disk: weights, what they were trained on, and the mesh."""
+"""A trained surrogate on disk: its arrays, what they were trained on, and the mesh."""
 
 import json
 from collections.abc import Mapping
@@ -6,15 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.numpy import load_file, save_file
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.atomic import whole_file
-from physgnn.learning.interface import Model
 from physgnn.learning.models import build_model
+from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.materials.table import material_from_config, material_to_config
@@ -26,18 +27,18 @@ FIXED = "fixed"
 
 @dataclass(frozen=True, eq=False)
 class Checkpoint:
-    """A model and the record of how it came about.
+    """A surrogate and the record of how it came about.
 
     Parameters
     ----------
-    model : Model
-        The model, bound to its body.
+    model : Surrogate
+        Bound to its body.
     record : mapping
         What JSON can hold; ``record["config"]`` is the resolved training
         configuration, ``record["training"]`` what training it cost and reached.
     """
 
-    model: Model
+    model: Surrogate
     record: Mapping[str, Any]
 
     @property
@@ -62,9 +63,9 @@ class Checkpoint:
             },
             **self.record,
         }
-        state = {k: v.contiguous() for k, v in self.model.state_dict().items()}
+        arrays = self.model.arrays()
         with whole_file(run / WEIGHTS) as part:
-            save_file(state, part)
+            save_file({k: np.asarray(v, order="C") for k, v in arrays.items()}, part)
         with whole_file(run / RECORD) as part:
             part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
 
@@ -75,7 +76,7 @@ class Checkpoint:
         Returns
         -------
         Checkpoint
-            Its model in evaluation mode, on the CPU, with the weights bit for bit.
+            Its arrays as they were saved, bit for bit; a network's are on the CPU.
 
         Raises
         ------
@@ -97,13 +98,13 @@ class Checkpoint:
         config = record["config"]
         model = build_model(config["model"], body, **config["options"])
         try:
-            model.load_state_dict(load_file(run / WEIGHTS))
-        except (OSError, SafetensorError, RuntimeError) as error:
+            model.restore(load_file(run / WEIGHTS))
+        except (OSError, SafetensorError, RuntimeError, LookupError) as error:
             raise InputError(
                 f"{run / WEIGHTS} doesn't hold the weights that {RECORD} describes "
                 f"({str(error).splitlines()[0]}); train again"
             ) from error
-        return cls(model.eval(), record)
+        return cls(model, record)
 
 
 def check_mesh(record: Mapping[str, Any], mesh: TetMesh, run: Path) -> None:

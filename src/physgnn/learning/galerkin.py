@@ -6,30 +6,24 @@ points around loaded ones are unknowns of their own, a few weighted cells stand 
 """
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.learning.graph import Graph, as_float32
-from physgnn.learning.interface import Model
 from physgnn.learning.mesh_gradient import points_within
 from physgnn.learning.modes import leading_modes
+from physgnn.learning.surrogate import Arrays, FloatArray, IntArray, Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.cell_selection import cell_works, weigh_cells
-from physgnn.mechanics.element import make_elements
+from physgnn.mechanics.element import DEFAULT_ELEMENT, make_elements
 from physgnn.mechanics.galerkin import GalerkinBody
 from physgnn.mechanics.loads import LoadCase
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MAX_SNAPSHOTS = 600  # for the modes
 MAX_STATES = 24  # for the weights: (modes × states × cells) numbers in memory
 
 
-class GalerkinModel(Model):
+class GalerkinModel(Surrogate):
     """Newton's method in the space of a few modes and the points near the loads.
 
     Parameters
@@ -49,30 +43,29 @@ class GalerkinModel(Model):
         If an option is out of range.
     """
 
-    near: Tensor
-    modes: Tensor
-    weights: Tensor
+    elements = (DEFAULT_ELEMENT,)
+    zero_without_load = True
 
     def __init__(
         self, body: Body, *, modes: int = 64, reach: int = 1, tolerance: float = 0.01
     ) -> None:
-        super().__init__()
+        super().__init__(body)
         if modes < 1 or reach < 0 or not 0 < tolerance < 1:
             raise InputError(
                 "modes must be ≥ 1, reach ≥ 0 and tolerance in (0, 1) "
                 f"(got {modes}, {reach}, {tolerance})"
             )
-        self.body = body
         self.reach, self.tolerance = reach, tolerance
         self._elements = make_elements(body.mesh, body.materials)
         n = body.mesh.n_points
-        self.register_buffer("near", torch.zeros(n, dtype=torch.bool))
-        self.register_buffer("modes", torch.zeros(modes, n, 3))
-        self.register_buffer("weights", torch.ones(body.mesh.n_cells))
+        self.near = np.zeros(n, dtype=bool)
+        self.modes = np.zeros((modes, n, 3), dtype=np.float32)
+        self.weights = np.ones(body.mesh.n_cells, dtype=np.float32)
         self._small: GalerkinBody | None = None
 
-    def fit(self, store: Store, samples: IntArray) -> None:
+    def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Find the modes and the weights."""
+        del seed
         mesh, paths = store.mesh, np.unique(samples[:, 0])
         nodes = np.concatenate([store.load_path(int(path)).nodes for path in paths])
         near = points_within(mesh, np.unique(nodes), self.reach)
@@ -90,26 +83,35 @@ class GalerkinModel(Model):
         weights[~touching] = weigh_cells(
             np.concatenate([part[:, ~touching] for part in works]), self.tolerance
         )
-        self.near.copy_(torch.from_numpy(near))
-        self.modes.copy_(as_float32(modes))
-        self.weights.copy_(as_float32(weights))
+        self.restore(
+            {
+                "near": near,
+                "modes": modes.astype(np.float32),
+                "weights": weights.astype(np.float32),
+            }
+        )
+
+    def arrays(self) -> Arrays:
+        """Return the points that are unknowns themselves, modes, and cells' weights."""
+        return {"near": self.near, "modes": self.modes, "weights": self.weights}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take points, modes and weights."""
+        self.near, self.modes = arrays["near"], arrays["modes"]
+        self.weights = arrays["weights"]
         self._small = None
 
-    def encode(self, load_case: LoadCase) -> Tensor:
-        """Return the answer, (n_points, 3) float32, mm: all is done here."""
+    def predict(self, load_case: LoadCase) -> FloatArray:
+        """Return the equilibrium in the small space, (n_points, 3), mm."""
         if self._small is None:
             self._small = GalerkinBody(
                 self._elements,
-                self.weights.cpu().numpy().astype(np.float64),
-                np.flatnonzero(self.near.cpu().numpy()),
-                self.modes.cpu().numpy().astype(np.float64),
+                self.weights.astype(np.float64),
+                np.flatnonzero(self.near),
+                self.modes.astype(np.float64),
             )
         force = load_case.on_points(self.body.mesh.n_points)
-        return as_float32(self._small.solve(force)[0])
-
-    def forward(self, inputs: Tensor, graph: Graph) -> Tensor:  # noqa: ARG002
-        """Return displacement in mm, (batch, n_points, 3)."""
-        return inputs
+        return self._small.solve(force)[0]
 
 
 def _states(store: Store, samples: IntArray, n_most: int) -> FloatArray:

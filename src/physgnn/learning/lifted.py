@@ -6,8 +6,9 @@ loads get the linear solution, and none nothing. All is computed in the body's o
 so that a body turned with its load has its answer turned.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import ClassVar
+from typing import Self
 
 import numpy as np
 import torch
@@ -19,14 +20,16 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.anchors import mean_load_anchors, sample_forces
 from physgnn.learning.graph import Graph, as_float32
-from physgnn.learning.interface import Model
 from physgnn.learning.lifted_network import LiftedNetwork, Patch
 from physgnn.learning.mesh_gradient import points_within
 from physgnn.learning.modes import leading_modes
 from physgnn.learning.near_loads import NearLoads
+from physgnn.learning.network import Network
 from physgnn.learning.perturbation import Perturbation
+from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import ELEMENTS
+from physgnn.mechanics.element import internal_force, make_elements
+from physgnn.mechanics.known_states import KnownState, NearestKnown
 from physgnn.mechanics.loads import LoadCase
 
 FloatArray = NDArray[np.float64]
@@ -36,7 +39,7 @@ MAX_SNAPSHOTS = 600  # more don't change the modes that pay, and cost memory
 HIDDEN = 64  # of the small network from modes to modes
 
 
-class LiftedModel(Model):
+class LiftedModel(Network):
     """The expansion about the nearest anchor, corrected.
 
     Parameters
@@ -57,7 +60,7 @@ class LiftedModel(Model):
         equilibrium with what is predicted beside them (`near_loads`); 0: none are.
     """
 
-    elements: ClassVar[tuple[str, ...]] = ELEMENTS
+    zero_without_load = True
     axes: Tensor
     free: Tensor
     anchor_states: Tensor
@@ -76,13 +79,12 @@ class LiftedModel(Model):
         modes: int = 16,
         settle: int = 5,
     ) -> None:
-        super().__init__()
+        super().__init__(body)
         if min(anchors, reach, modes, settle) < 0 or min(width, layers) < 1:
             raise InputError(
                 "anchors, reach, modes and settle must be ≥ 0, width and layers ≥ 1 "
                 f"(got {anchors}, {reach}, {modes}, {settle}, {width}, {layers})"
             )
-        self.body = body
         self.reach = reach
         n = body.mesh.n_points
         free = np.ones((n, 1))
@@ -118,8 +120,9 @@ class LiftedModel(Model):
             self._perturbation = Perturbation(self._turned, states, threads=threads)
         return self._perturbation
 
-    def fit(self, store: Store, samples: IntArray) -> None:
+    def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Find the anchors, the points near loads, and the modes."""
+        del seed
         self.expect(sample_forces(store, samples))
         if len(self.modes):
             self._fit_modes(store, samples)
@@ -140,8 +143,8 @@ class LiftedModel(Model):
         self.anchor_states.copy_(torch.from_numpy(states))
         self._forget()
 
-    def share_weights(self, other: Model) -> None:
-        """Take another body's model's weights for one's own, in training too."""
+    def share_weights(self, other: Surrogate) -> None:
+        """Take another body's network's weights for one's own, in training too."""
         if not isinstance(other, LiftedModel) or len(self.modes) or len(other.modes):
             raise InputError(
                 "only the local part of a lifted network may serve several bodies: "
@@ -155,9 +158,36 @@ class LiftedModel(Model):
             raise InputError("width and layers must be those of the other network")
         self.local = other.local
 
+    def transfer(self, trained: Self, forces: FloatArray) -> None:
+        """Take the weights; find anchors of one's own, under loads to be expected."""
+        self.share_weights(trained)
+        self.expect(forces)
+
     def release(self) -> None:
         """Free the factors."""
         self._perturbation = None
+
+    def reference_states(self) -> NearestKnown:
+        """Return how to find the nearest anchor, and its response to a little more."""
+        axes = self._axes64
+
+        def nearest(force: FloatArray) -> KnownState:
+            about = self.perturbation.about(force @ axes.T)
+            return KnownState(about.u @ axes, lambda f: about.solve(f @ axes.T) @ axes)
+
+        return nearest
+
+    def warm_up_cases(self) -> Iterator[LoadCase]:
+        """Yield a tiny load, and the one that each anchor is in equilibrium with."""
+        yield from super().warm_up_cases()
+        body = self.body
+        free = np.setdiff1d(np.arange(body.mesh.n_points), body.fixed)
+        elements = make_elements(body.mesh, body.materials, body.element)
+        states = self.anchor_states.cpu().numpy().astype(np.float64)
+        for state in states @ self._axes64:
+            force, inverted = internal_force(elements, state)
+            if inverted < 0 and force[free].any():
+                yield LoadCase(free, force[free])
 
     def _fit_modes(self, store: Store, samples: IntArray) -> None:
         every = max(len(samples) // MAX_SNAPSHOTS, 1)

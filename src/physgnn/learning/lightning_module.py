@@ -9,9 +9,9 @@ from torch import Tensor
 from physgnn.errors import InputError
 from physgnn.learning.dropout import seed_dropout
 from physgnn.learning.graph import graph_of
-from physgnn.learning.interface import Model
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.members import MemberBatch as Batch
+from physgnn.learning.network import Network
 from physgnn.learning.training_config import TrainingConfig
 
 VALIDATION_LOSS = "validation_loss"
@@ -19,11 +19,11 @@ TRAINING_LOSS = "training_loss"
 
 
 class TrainingModule(LightningModule):
-    """Trains any :class:`Model` as a :class:`TrainingConfig` says.
+    """Trains any :class:`Network` as a :class:`TrainingConfig` says.
 
     Parameters
     ----------
-    models : sequence of Model
+    models : sequence of Network
         What to train: one a body, all of the same weights.
     config : TrainingConfig
         How.
@@ -32,7 +32,7 @@ class TrainingModule(LightningModule):
     """
 
     def __init__(
-        self, models: Sequence[Model], config: TrainingConfig, at_once: int
+        self, models: Sequence[Network], config: TrainingConfig, at_once: int
     ) -> None:
         super().__init__()
         self.automatic_optimization = False  # Lightning can't add up unequal parts

@@ -14,9 +14,10 @@ from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.batches import ALONE, EpochOrder, Samples, Share
-from physgnn.learning.interface import Model
 from physgnn.learning.models import build_model
+from physgnn.learning.network import Network
 from physgnn.learning.sample_cache import SampleCache
+from physgnn.learning.surrogate import Surrogate
 from physgnn.learning.training_config import TrainingConfig
 
 Stores = Store | Sequence[Store]
@@ -44,19 +45,20 @@ def members_of(stores: Stores, splits: Splits) -> list[Member]:
 
 
 def build_models(
-    members: Sequence[Member], config: TrainingConfig, start: Model | None = None
-) -> list[Model]:
-    """Return one model a member; all have the weights of the first, or of `start`.
+    members: Sequence[Member], config: TrainingConfig, start: Surrogate | None = None
+) -> list[Network]:
+    """Return one network a member; all have the weights of the first, or of `start`.
 
     Raises
     ------
     InputError
         If weights are to be shared and what the model learns belongs to one body.
     """
-    first, *others = models = [
+    built = [
         build_model(config.model, member.store.body, **config.options)
         for member in members
     ]
+    first, *others = models = [model for model in built if isinstance(model, Network)]
     if start is not None:
         first.share_weights(start)
         first.own_weights()
@@ -66,7 +68,10 @@ def build_models(
 
 
 def fitted_samples(
-    members: Sequence[Member], models: Sequence[Model], caches: Sequence[SampleCache]
+    members: Sequence[Member],
+    models: Sequence[Network],
+    caches: Sequence[SampleCache],
+    seed: int = 0,
 ) -> tuple[list[Samples], list[Samples]]:
     """Fit each model's statistics; return training and validation samples by member.
 
@@ -75,7 +80,8 @@ def fitted_samples(
     """
     training, validation = [], []
     for (store, split), model, cache in zip(members, models, caches, strict=True):
-        model.fit(store, split.train if len(split.train) else split.validation)
+        used = split.train if len(split.train) else split.validation
+        model.fit(store, used, seed)
         training.append(Samples(store, split.train, model, cache))
         validation.append(Samples(store, split.validation, model, cache))
         if len(members) > 1:

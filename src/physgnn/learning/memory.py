@@ -13,7 +13,7 @@ from torch import Tensor
 from torch.autograd.graph import saved_tensors_hooks
 
 from physgnn.errors import InputError
-from physgnn.learning.interface import Model
+from physgnn.learning.network import Network
 
 MEGABYTE = 2**20
 PEAK = 2.5  # of a step over what it keeps, memory that the allocator holds included
@@ -58,13 +58,17 @@ def measure(forward: Callable[[int], Tensor]) -> Memory:
 
 
 def samples_at_once(
-    model: Model, forward: Callable[[int], Tensor], *, batch_size: int, limit_mb: float
+    model: Network,
+    forward: Callable[[int], Tensor],
+    *,
+    batch_size: int,
+    limit_mb: float,
 ) -> int:
     """Return how many samples of a batch to compute at once; spare memory if need be.
 
     Parameters
     ----------
-    model : Model
+    model : Network
         Told whether to spare memory: only if a whole batch wouldn't fit otherwise.
     forward : callable
         From a number of samples to their loss.

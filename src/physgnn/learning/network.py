@@ -20,7 +20,6 @@ every surrogate owes.
 
 import copy
 from abc import abstractmethod
-from typing import Self
 
 import numpy as np
 import torch
@@ -66,7 +65,7 @@ class Network(nn.Module, Surrogate):
         """Improve on what `forward` returned (n_points, 3), mm, if there is a way."""
         return displacement
 
-    def share_weights(self, other: Self) -> None:  # noqa: ARG002
+    def share_weights(self, other: Surrogate) -> None:  # noqa: ARG002
         """Take another body's network's weights for one's own, in training too.
 
         Raises

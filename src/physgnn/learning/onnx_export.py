@@ -18,7 +18,6 @@ from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.convolution import Convolution
 from physgnn.learning.graph import Graph, graph_of
 from physgnn.learning.physgnn import LAYERS_A_BLOCK, PhysGNN
-from physgnn.learning.physgnn_model import PhysGNNModel
 
 OPSET = 18
 
@@ -39,11 +38,12 @@ def export_onnx(run: str | Path, path: str | Path) -> None:
         If the run is of another model, or the exporter isn't installed.
     """
     model = Checkpoint.load(run).model
-    if not isinstance(model, PhysGNNModel):
+    network = getattr(model, "network", None)
+    if not isinstance(network, PhysGNN):
         raise InputError(
-            f"only PhysGNN can be exported to ONNX: {run} also needs the linear solver"
+            f"only PhysGNN can be exported to ONNX: {run} needs more than a network"
         )
-    write_onnx(model.network, graph_of(model.body), path)
+    write_onnx(network, graph_of(model.body), path)
 
 
 def write_onnx(network: PhysGNN, graph: Graph, path: str | Path) -> None:

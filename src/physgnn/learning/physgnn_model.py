@@ -9,11 +9,10 @@ from physgnn.errors import InputError
 from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.features import load_features, physical_property
 from physgnn.learning.graph import Graph, as_float32
-from physgnn.learning.interface import Model
+from physgnn.learning.network import Network
 from physgnn.learning.normalization import Normalizer
 from physgnn.learning.physgnn import PhysGNN
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import ELEMENTS
 from physgnn.mechanics.loads import LoadCase
 
 IntArray = NDArray[np.int64]
@@ -21,7 +20,7 @@ IntArray = NDArray[np.int64]
 NORMALISERS = ("training", "published")
 
 
-class PhysGNNModel(Model):
+class PhysGNNModel(Network):
     """The published network between a load case and its displacement.
 
     Parameters
@@ -35,8 +34,6 @@ class PhysGNNModel(Model):
         the whole dataset, held-out samples included.
     """
 
-    elements = ELEMENTS
-
     def __init__(
         self,
         body: Body,
@@ -46,19 +43,19 @@ class PhysGNNModel(Model):
         width: int = 112,
         normaliser: str = "training",
     ) -> None:
-        super().__init__()
+        super().__init__(body)
         if normaliser not in NORMALISERS:
             raise InputError(
                 f"normaliser must be one of {', '.join(NORMALISERS)} (got {normaliser})"
             )
-        self.body = body
         self.fits_on_everything = normaliser == "published"
         self.property = physical_property(body.mesh, body.fixed)
         self.normalizer = Normalizer()
         self.network = PhysGNN(configuration, dataset, width)
 
-    def fit(self, store: Store, samples: IntArray) -> None:
+    def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Fit the normaliser."""
+        del seed
         everything = self.fits_on_everything
         self.normalizer.fit(store, store.samples() if everything else samples)
 

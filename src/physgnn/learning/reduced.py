@@ -14,32 +14,28 @@ from itertools import islice
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor, nn
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.learning.graph import Graph, as_float32
-from physgnn.learning.interface import Model
 from physgnn.learning.load_distance import LoadDistance, farthest
 from physgnn.learning.mesh_gradient import points_within
+from physgnn.learning.surrogate import Arrays, FloatArray, IntArray, Surrogate
 from physgnn.mechanics.assembly import make_pattern
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import make_elements
-from physgnn.mechanics.known_states import KnownState
+from physgnn.mechanics.element import DEFAULT_ELEMENT, make_elements
+from physgnn.mechanics.known_states import KnownState, NearestKnown
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.local_expansion import LocalExpansion
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 KEPT_AT_ONCE = 256  # expansions; one about 17 points takes 6 MB on 9000
 MAX_BYTES = 2 * 2**30  # of the anchors' columns
 FACTORS_AT_ONCE = 6  # of known states, 80 MB each
 LEAST_MM = 1e-9  # a distance can't be zero in a weight
+FEW = 30  # loaded points; about more a prediction takes seconds
 
 
-class ReducedModel(Model):
+class ReducedModel(Surrogate):
     """Local expansions about the rest state and some training samples.
 
     Expansions are made when first needed (half a second each on 9000 points) and kept.
@@ -65,8 +61,8 @@ class ReducedModel(Model):
         If an option is out of range.
     """
 
-    states: Tensor
-    loads: Tensor
+    elements = (DEFAULT_ELEMENT,)
+    zero_without_load = True
 
     def __init__(
         self,
@@ -77,13 +73,12 @@ class ReducedModel(Model):
         reach: int = 1,
         reach_from_rest: int = 2,
     ) -> None:
-        super().__init__()
+        super().__init__(body)
         if min(anchors, reach, reach_from_rest) < 0 or together < 1:
             raise InputError(
                 "anchors, reach and reach_from_rest must be ≥ 0, together ≥ 1 (got "
                 f"{anchors}, {reach}, {reach_from_rest}, {together})"
             )
-        self.body = body
         self.together, self.reach = together, reach
         self.reach_from_rest = reach_from_rest
         self._elements = make_elements(body.mesh, body.materials)
@@ -91,21 +86,20 @@ class ReducedModel(Model):
         threads = torch.get_num_threads()
         self._linear = make_linear_solver(self._pattern, threads=threads)
         shape = (anchors, body.mesh.n_points, 3)
-        self.register_buffer("states", torch.zeros(shape))
-        self.register_buffer("loads", torch.zeros(shape))
+        self.states = np.zeros(shape, dtype=np.float32)
+        self.loads = np.zeros(shape, dtype=np.float32)
         self._known: _KnownLoads | None = None
         self._about = lru_cache(KEPT_AT_ONCE)(self._expansion)
         self._state = lru_cache(FACTORS_AT_ONCE)(self._known_state)
-        self.register_load_state_dict_post_hook(_forget)  # type: ignore[no-untyped-call]
 
-    def fit(self, store: Store, samples: IntArray) -> None:
+    def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Choose the anchors: each time the sample farthest from those chosen."""
-        self.states.zero_()
-        self.loads.zero_()
+        del seed
+        self.states[:], self.loads[:] = 0.0, 0.0
         for i, (path, level) in enumerate(self._far_apart(store, samples).tolist()):
             case = store.load_case(path, level)
-            self.loads[i] = as_float32(case.on_points(self.body.mesh.n_points))
-            self.states[i] = torch.tensor(store.displacement(path)[level])
+            self.loads[i] = case.on_points(self.body.mesh.n_points)
+            self.states[i] = store.displacement(path)[level]
         self.forget()
 
     def _far_apart(self, store: Store, samples: IntArray) -> IntArray:
@@ -137,21 +131,42 @@ class ReducedModel(Model):
         self._about.cache_clear()
         self._state.cache_clear()
 
-    def encode(self, load_case: LoadCase) -> Tensor:
-        """Return the answer, (n_points, 3) float32, mm: all is done here."""
+    def predict(self, load_case: LoadCase) -> FloatArray:
+        """Return the mean of the nearest expansions, (n_points, 3), mm."""
         force = load_case.on_points(self.body.mesh.n_points)
         found = list(islice(self._converged(force), self.together))
         if not found:
             nodes = tuple(np.flatnonzero(force.any(axis=1)).tolist())
-            return as_float32(self._about(None, nodes)(force).displacement)
+            about_rest: LocalExpansion = self._about(None, nodes)
+            return about_rest(force).displacement
         weights = np.array([weight for weight, _ in found])
-        answers = np.stack([u for _, u in found])
-        return as_float32(np.tensordot(weights / weights.sum(), answers, axes=1))
+        expansions = np.stack([u for _, u in found])
+        mean: FloatArray = np.tensordot(weights / weights.sum(), expansions, axes=1)
+        return mean
 
     def is_sound(self, load_case: LoadCase) -> bool:
-        """Return whether the cells near the loads are in equilibrium in the answer."""
+        """Return whether the cells near the loads are in equilibrium."""
         force = load_case.on_points(self.body.mesh.n_points)
         return next(self._converged(force), None) is not None
+
+    def reference_states(self) -> NearestKnown:
+        """Return how to find the nearest anchor."""
+        return self.nearest_known
+
+    def arrays(self) -> Arrays:
+        """Return the anchors' displacements, mm, and their loads, N."""
+        return {"states": self.states, "loads": self.loads}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take the anchors."""
+        self.states, self.loads = arrays["states"], arrays["loads"]
+        self.forget()
+
+    @classmethod
+    def is_meant_for(cls, store: Store, test: IntArray) -> bool:
+        """Return whether all tested loads act on few points."""
+        paths = np.unique(test[:, 0]).tolist()
+        return max(len(store.load_path(path).nodes) for path in paths) <= FEW
 
     def nearest_known(self, force: FloatArray) -> KnownState:
         """Return the nearest anchor that loads every point a force loads, or rest."""
@@ -169,7 +184,7 @@ class ReducedModel(Model):
         self, force: FloatArray
     ) -> Iterator[tuple[int | None, float, tuple[int, ...]]]:
         if self._known is None:
-            self._known = _KnownLoads(self.body, self.loads.cpu().numpy())
+            self._known = _KnownLoads(self.body, self.loads)
         return self._known.nearest(force)
 
     def _known_state(self, k: int | None) -> KnownState:
@@ -179,7 +194,8 @@ class ReducedModel(Model):
         """Return an anchor's displacement, or that of the rest state."""
         if k is None:
             return np.zeros_like(self.body.mesh.points)
-        return self.states[k].cpu().numpy().astype(np.float64)
+        state: FloatArray = self.states[k].astype(np.float64)
+        return state
 
     def _expansion(self, k: int | None, nodes: tuple[int, ...]) -> LocalExpansion:
         """Expand about an anchor, or the rest state, exact around some nodes."""
@@ -193,10 +209,6 @@ class ReducedModel(Model):
             np.flatnonzero(near),
             self._linear,
         )
-
-    def forward(self, inputs: Tensor, graph: Graph) -> Tensor:  # noqa: ARG002
-        """Return displacement in mm, (batch, n_points, 3)."""
-        return inputs
 
 
 class _KnownLoads:
@@ -229,8 +241,3 @@ class _KnownLoads:
         ]
         for distance, k, nodes in sorted(near, key=lambda known: known[0]):
             yield k, distance, nodes
-
-
-def _forget(model: nn.Module, _: object) -> None:
-    assert isinstance(model, ReducedModel)
-    model.forget()

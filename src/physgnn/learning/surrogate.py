@@ -82,6 +82,7 @@ class Surrogate(ABC):
         seed : int
             Of everything that is drawn.
         """
+        del store, samples, seed  # nothing is learnt
 
     def arrays(self) -> Arrays:
         """Return what `fit` found, by name: all that `restore` needs."""
@@ -92,6 +93,7 @@ class Surrogate(ABC):
 
         Displacements are the same afterwards, bit for bit.
         """
+        del arrays  # there are none
 
     # What a method may know better than the default does.
 

@@ -22,6 +22,7 @@ from physgnn.learning.graph import graph_of
 from physgnn.learning.lightning_module import TrainingModule
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.members import (
+    Member,
     Splits,
     Stores,
     build_models,
@@ -32,6 +33,8 @@ from physgnn.learning.members import (
 )
 from physgnn.learning.memory import samples_at_once
 from physgnn.learning.model_card import write_model_card
+from physgnn.learning.models import build_model, model_class
+from physgnn.learning.network import Network
 from physgnn.learning.precision import set_precision
 from physgnn.learning.run_record import (
     check_same_run,
@@ -48,6 +51,7 @@ from physgnn.learning.workspace import reused_memory
 from physgnn.progress import Progress
 
 METRICS = "metrics.csv"
+JUDGED_ON = 100  # validation samples, of what is fitted in one go; they decide nothing
 ONE_PROCESS = Machine()
 
 
@@ -62,7 +66,11 @@ def train(
     resume: bool = False,
     start: Checkpoint | None = None,
 ) -> Checkpoint:
-    """Train a model; the weights with the lowest validation loss are kept.
+    """Train a model on the training part of a split, and save the run.
+
+    A network is trained step by step, and its weights with the lowest validation loss
+    are kept; every other surrogate is fitted in one go, and of the configuration model,
+    options, loss and seed count.
 
     Parameters
     ----------
@@ -99,6 +107,14 @@ def train(
     run = Path(run)
     members = members_of(store, split)
     record = new_record(store, split, config)
+    if not issubclass(model_class(config.model), Network):
+        if len(members) > 1 or resume or start is not None:
+            raise InputError(
+                f"model '{config.model}' is fitted to one body in one go: give one "
+                "dataset, and no run to resume or to begin with"
+            )
+        _prepare(run, record, resume=False)
+        return _fitted(members[0], config, run, record, progress)
     if start is not None:
         record = with_start(record, start.record)
     _prepare(run, record, resume=resume)
@@ -109,7 +125,7 @@ def train(
         for model in models:
             set_precision(model, config.precision)
         caches = [stack.enter_context(SampleCache(run)) for _ in models]
-        samples, held_out = fitted_samples(members, models, caches)
+        samples, held_out = fitted_samples(members, models, caches, config.seed)
         best = KeepBest(
             lambda loss: Checkpoint(
                 models[0], with_result(record, loss=loss, spent=budget.spent)
@@ -131,6 +147,33 @@ def train(
     if trainer.is_global_zero:
         _finish(run, with_result(record, loss=best.loss, spent=budget.spent))
     trainer.strategy.barrier()
+    return Checkpoint.load(run)
+
+
+def _fitted(
+    member: Member,
+    config: TrainingConfig,
+    run: Path,
+    record: dict[str, Any],
+    progress: Progress | None,
+) -> Checkpoint:
+    """Fit a surrogate in one go, judge it on some validation samples, save the run."""
+    store, split = member
+    budget = Budget(config)
+    model = build_model(config.model, store.body, **config.options)
+    model.fit(store, split.train, config.seed)
+    spent = budget.spent
+    every = max(len(split.validation) // JUDGED_ON, 1)
+    losses, samples = [], split.validation[::every].tolist()
+    for path, level in samples:
+        predicted = torch.tensor(model.predict(store.load_case(path, level)))
+        true = torch.tensor(store.displacement(path)[level])
+        losses.append(float(LOSSES[config.loss](predicted.float()[None], true[None])))
+        if progress is not None:
+            progress(len(losses), len(samples), "judging")
+    loss = sum(losses) / max(len(losses), 1)
+    Checkpoint(model, with_result(record, loss=loss, spent=spent)).save(run)
+    write_model_card(run)
     return Checkpoint.load(run)
 
 

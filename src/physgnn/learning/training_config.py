@@ -6,7 +6,7 @@ from typing import Any
 
 from physgnn.errors import InputError
 from physgnn.learning.losses import LOSSES
-from physgnn.learning.models import MODELS
+from physgnn.learning.models import MODELS, is_model
 from physgnn.learning.precision import PRECISIONS
 
 SCHEDULE_NAMES = ("plateau", "cosine")
@@ -20,9 +20,9 @@ class TrainingConfig:
     Parameters
     ----------
     model : str
-        A row of ``MODELS``.
+        A row of ``MODELS``, or ``module:Class``.
     options : mapping
-        The model's own options, such as ``{"configuration": 3, "dataset": 2}``.
+        The method's own options, such as ``{"configuration": 3, "dataset": 2}``.
     loss : str
         A row of ``LOSSES``.
     batch_size : int
@@ -79,9 +79,13 @@ class TrainingConfig:
     seed: int = 0
 
     def __post_init__(self) -> None:
+        if not is_model(self.model):
+            raise InputError(
+                f"model must be one of {', '.join(MODELS)}, or module:Class of your "
+                f"own (got {self.model})"
+            )
         for name, choices in (
-            ("model", MODELS), ("loss", LOSSES), ("schedule", SCHEDULE_NAMES),
-            ("precision", PRECISIONS),
+            ("loss", LOSSES), ("schedule", SCHEDULE_NAMES), ("precision", PRECISIONS),
             ("clock", CLOCK_NAMES),
         ):  # fmt: skip
             if getattr(self, name) not in choices:

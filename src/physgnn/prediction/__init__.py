@@ -1,7 +1,6 @@
 """Predictors: a load case in, a displacement with its error estimate out."""
 
 from physgnn.prediction.finite_element import FiniteElementPredictor
-from physgnn.prediction.linear import linear_answer
 from physgnn.prediction.prediction import (
     ErrorEstimate,
     Predict,
@@ -19,5 +18,4 @@ __all__ = [
     "PredictionStatus",
     "Predictor",
     "calibrate_run",
-    "linear_answer",
 ]

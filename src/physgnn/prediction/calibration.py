@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.learning.surrogate import Surrogate
 from physgnn.prediction.conformal import conformal_quantile
 from physgnn.prediction.indicators import Indicator
-from physgnn.prediction.prediction import Answer, ErrorEstimate
+from physgnn.prediction.prediction import ErrorEstimate
 from physgnn.prediction.trained_range import TrainedRange
 from physgnn.progress import Progress
 
@@ -100,7 +101,7 @@ def indicator_sizes(field: FloatArray) -> tuple[float, float]:
 
 
 def calibrate(
-    answer: Answer,
+    surrogate: Surrogate,
     indicator: tuple[str, Indicator],
     store: Store,
     samples: tuple[IntArray, IntArray],
@@ -112,8 +113,8 @@ def calibrate(
 
     Parameters
     ----------
-    answer : callable
-        From a load case to the predicted displacement.
+    surrogate : Surrogate
+        Gives the displacements that the bounds are of.
     indicator : (str, callable)
         Name and function of the indicator.
     store : Store
@@ -139,7 +140,7 @@ def calibrate(
             f"(got {len(train)} and {len(held_out)}): simulate more load paths"
         )
     name, measure = indicator
-    scores = error_scores(answer, measure, store, held_out, progress=progress)
+    scores = error_scores(surrogate, measure, store, held_out, progress=progress)
     loads = TrainedRange.from_cases(
         store.load_case(path, level) for path, level in train.tolist()
     )
@@ -198,7 +199,7 @@ def thinned(samples: IntArray, most: int) -> IntArray:
 
 
 def error_scores(
-    answer: Answer,
+    surrogate: Surrogate,
     measure: Indicator,
     store: Store,
     samples: IntArray,
@@ -209,7 +210,7 @@ def error_scores(
     scores = np.empty((len(samples), 2))
     for i, (path, level) in enumerate(samples.tolist()):
         case = store.load_case(path, level)
-        predicted = answer(case)
+        predicted = surrogate.predict(case)
         error = np.linalg.norm(store.displacement(path)[level] - predicted, axis=1)
         mean, largest = indicator_sizes(measure(case, predicted))
         scores[i] = error.mean() / mean, error.max() / largest

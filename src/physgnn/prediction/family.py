@@ -72,7 +72,7 @@ def calibrate_family(
             most = max(kind.most // len(held_out), 1)
             found.append(
                 error_scores(
-                    predictor.answer,
+                    predictor.surrogate,
                     kind.measure(predictor),
                     store,
                     thinned(split.validation, most),
@@ -93,7 +93,7 @@ def calibrate_family(
 def _adapted(trained: Checkpoint, store: Store, split: Split) -> Predictor:
     """Return the predictor for a held-out patient, who gives loads but no answers."""
     forces = sample_forces(store, split.validation)
-    return Predictor.of(adapt(trained, store.body, forces).model)
+    return Predictor(adapt(trained, store.body, forces).model)
 
 
 def on_new_loads(calibration: Calibration, loads: TrainedRange) -> Calibration:

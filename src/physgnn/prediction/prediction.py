@@ -1,6 +1,5 @@
 """What every predictor gives back: a displacement and how far to trust it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Protocol
@@ -11,7 +10,6 @@ from numpy.typing import NDArray
 from physgnn.mechanics.loads import LoadCase
 
 FloatArray = NDArray[np.float64]
-Answer = Callable[[LoadCase], FloatArray]  # to displacement (n_points, 3), mm
 
 
 class PredictionStatus(IntEnum):
@@ -119,7 +117,7 @@ class Prediction:
 
 
 class Predict(Protocol):
-    """Anything that answers a load case: network, linear elasticity, solver."""
+    """What turns a load case into a prediction: a `Predictor`, a solver."""
 
     def __call__(
         self, load_case: LoadCase, *, tolerance_mm: float | None = None

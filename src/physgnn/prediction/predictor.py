@@ -1,7 +1,6 @@
 """From a load case to a displacement with an error estimate and a status."""
 
 import time
-from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 
@@ -10,24 +9,13 @@ import torch
 
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.interface import Model
-from physgnn.learning.precision import set_precision
+from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.approach import Approach
-from physgnn.mechanics.body import Body
-from physgnn.mechanics.known_states import NearestKnown
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.relaxation import Relaxation
 from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.indicators import INDICATORS
-from physgnn.prediction.network import (
-    first_cases,
-    nearest_known,
-    network_answer,
-    quick_linear,
-    soundness,
-)
 from physgnn.prediction.prediction import (
-    Answer,
     ErrorEstimate,
     FloatArray,
     LikelyError,
@@ -50,48 +38,32 @@ ESTIMATES = ("quick", "physical")
 
 
 class Predictor:
-    """Answers load cases by a function, checks the answer, and repairs it if asked.
+    """Predicts by a surrogate, says how far to trust it, and repairs it if asked.
 
     Parameters
     ----------
-    body : Body
-        Mesh, materials and fixed points.
-    answer : callable
-        From a LoadCase to the displacement (n_points, 3), mm.
+    surrogate : Surrogate
+        Gives displacements, and the reference states that estimates and repairs may
+        start from. Loads it has no sound displacement for count as outside the trained
+        range, and a repair does not begin there.
     calibration, relaxation : Calibration, optional
         Give the error bounds, from a cheap indicator and from the physical estimate,
         and the trained range. Without the first a prediction carries no bounds unless
         asked for the physical estimate, and any `tolerance_mm` calls for a repair.
-    known : callable, optional
-        The stable equilibria that estimates and repairs may start from.
-    linear : callable, optional
-        A quick way to K₀⁻¹ f, if there is one, for the indicator.
-    sound : callable, optional
-        Whether an answer just given to a load may be trusted, as far as its maker can
-        tell; loads with others count as outside the trained range, and a repair does
-        not begin from such an answer.
     """
 
     def __init__(
         self,
-        body: Body,
-        answer: Answer,
+        surrogate: Surrogate,
         *,
         calibration: Calibration | None = None,
         relaxation: Calibration | None = None,
-        known: NearestKnown | None = None,
-        linear: Answer | None = None,
-        sound: Callable[[LoadCase], bool] | None = None,
     ) -> None:
-        self.body = body
-        self._sound = sound
-        self._known = known
-        self.linear = linear
-        self.answer = answer
+        self.surrogate, self.body = surrogate, surrogate.body
         self.calibration = calibration
         self.relaxation = relaxation
         self._indicator = (
-            INDICATORS[calibration.indicator](body, linear) if calibration else None
+            INDICATORS[calibration.indicator](surrogate) if calibration else None
         )
 
     @classmethod
@@ -124,37 +96,16 @@ class Predictor:
             has nothing that the precision would change.
         """
         run = Path(run)
-        model = Checkpoint.load(run).model
-        set_precision(model, precision)
-        predictor = cls.of(
-            model,
-            device=device,
+        surrogate = Checkpoint.load(run).model
+        surrogate.prepare(device=device, precision=precision)
+        predictor = cls(
+            surrogate,
             calibration=_read_if_there(run / CALIBRATION_FILE),
             relaxation=_read_if_there(run / RELAXATION_FILE),
         )
-        for case in first_cases(model) if warm else ():
+        for case in surrogate.warm_up_cases() if warm else ():
             predictor(case)
         return predictor
-
-    @classmethod
-    def of(
-        cls,
-        model: Model,
-        *,
-        device: str = "cpu",
-        calibration: Calibration | None = None,
-        relaxation: Calibration | None = None,
-    ) -> "Predictor":
-        """Return the predictor that answers by a trained model."""
-        return cls(
-            model.body,
-            network_answer(model, device=device),
-            calibration=calibration,
-            relaxation=relaxation,
-            known=nearest_known(model),
-            linear=quick_linear(model),
-            sound=soundness(model),
-        )
 
     def __call__(
         self,
@@ -192,7 +143,8 @@ class Predictor:
             raise InputError(
                 f"estimate must be one of {', '.join(ESTIMATES)} (got {estimate})"
             )
-        displacement, status = self.answer(load_case), self._status(load_case)
+        displacement = self.surrogate.predict(load_case)
+        status = self._status(load_case)
         bounds, likely = None, None
         if estimate == "quick" and tolerance_mm is None:
             bounds = self._quick(load_case, displacement)
@@ -212,18 +164,18 @@ class Predictor:
         return Prediction(displacement, bounds, status, seconds, likely)
 
     def error(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
-        """Return the physical estimate of an answer's error, (n_points, 3), mm."""
+        """Return the physical estimate of a prediction's error, (n_points, 3), mm."""
         return self._estimate(load_case, self.relax(load_case, displacement))
 
     def relax(self, load_case: LoadCase, displacement: FloatArray) -> Relaxation:
-        """Take a few steps from an answer towards equilibrium: its error's estimate."""
+        """Take a few steps towards equilibrium: they tell a displacement's error."""
         if not np.isfinite(displacement).all():
             nowhere = np.full_like(displacement, np.nan)
             return Relaxation(nowhere, nowhere, nowhere)
         return self._approach.relax(load_case, displacement)
 
     def indicate(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
-        """Return the quick indicator of an answer's error, (n_points, 3), mm.
+        """Return the quick indicator of a displacement's error, (n_points, 3), mm.
 
         Raises
         ------
@@ -235,7 +187,7 @@ class Predictor:
         return self._indicator(load_case, displacement)
 
     def _estimate(self, load_case: LoadCase, relaxed: Relaxation) -> FloatArray:
-        """Return what relaxing tells of an answer's error; more where others lie near.
+        """Return what relaxing tells of the error; more where others lie near.
 
         It tells how far the nearest equilibrium is, which may not be the one meant.
         """
@@ -243,9 +195,10 @@ class Predictor:
         return relaxed.error if sure else UNSURE_BY * relaxed.error
 
     def _start(self, load_case: LoadCase, displacement: FloatArray) -> Start:
-        if not self._is_sound(load_case):
+        if not self.surrogate.is_sound(load_case):
             return Start(None, 0.0)
-        return where_to_begin(self.answer, self.body, load_case, displacement)
+        predict = self.surrogate.predict
+        return where_to_begin(predict, self.body, load_case, displacement)
 
     def _quick(
         self, load_case: LoadCase, displacement: FloatArray
@@ -267,12 +220,9 @@ class Predictor:
         outside = self.calibration and (
             self.calibration.trained_range.reasons_outside(load_case)
         )
-        if outside or not self._is_sound(load_case):
+        if outside or not self.surrogate.is_sound(load_case):
             return PredictionStatus.OUTSIDE_TRAINED_RANGE
         return PredictionStatus.OK
-
-    def _is_sound(self, load_case: LoadCase) -> bool:
-        return self._sound is None or self._sound(load_case)
 
     @cached_property
     def _approach(self) -> Approach:
@@ -281,7 +231,7 @@ class Predictor:
             body.mesh,
             body.materials,
             body.fixed,
-            known=self._known,
+            known=self.surrogate.reference_states(),
             element=body.element,
             threads=torch.get_num_threads(),
         )

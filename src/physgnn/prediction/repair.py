@@ -1,5 +1,6 @@
 """When an answer is good enough, and how one that is not is taken to equilibrium."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,6 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.solution import Status
 from physgnn.prediction.prediction import (
-    Answer,
     ErrorEstimate,
     FloatArray,
     LikelyError,
@@ -74,13 +74,16 @@ def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
 
 
 def where_to_begin(
-    answer: Answer, body: Body, case: LoadCase, displacement: FloatArray
+    predict: Callable[[LoadCase], FloatArray],
+    body: Body,
+    case: LoadCase,
+    displacement: FloatArray,
 ) -> Start:
     """Return the answer to a load, or to that share of it which still tells its state.
 
     Parameters
     ----------
-    answer : callable
+    predict : callable
         Is asked for smaller shares.
     body : Body
     case : LoadCase
@@ -91,7 +94,7 @@ def where_to_begin(
     for _ in range(MAX_TRIES):
         part = LoadCase(case.nodes, share * case.forces)
         if share < 1.0:
-            displacement = answer(part)
+            displacement = predict(part)
         deep = depth(body, part, displacement)
         if deep <= DEEPEST:
             return Start(displacement, share)

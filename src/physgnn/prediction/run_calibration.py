@@ -44,7 +44,7 @@ def kinds_of_bounds(indicator: str) -> tuple[Kind, ...]:
     """Return the quick bounds, by a row of `INDICATORS`, and the sharper ones."""
     quick = INDICATORS[indicator]
     return (
-        Kind(CALIBRATION_FILE, indicator, lambda p: quick(p.body, p.linear), 10_000),
+        Kind(CALIBRATION_FILE, indicator, lambda p: quick(p.surrogate), 10_000),
         # A sample of these costs about ten of the quick ones, and what counts is how
         # many load paths they come from.
         Kind(RELAXATION_FILE, RELAXATION, lambda p: p.error, 150),
@@ -84,7 +84,7 @@ def calibrate_run(
     made = []
     for kind in kinds_of_bounds(indicator):
         calibration = calibrate(
-            predictor.answer,
+            predictor.surrogate,
             (kind.indicator, kind.measure(predictor)),
             store,
             (split.train, thinned(split.validation, kind.most)),

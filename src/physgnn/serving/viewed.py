@@ -11,12 +11,13 @@ from physgnn.bundled import BUNDLED_RUN
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
+from physgnn.learning.models import build_model
+from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.factor_cache import FACTORS
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.indicators import Indicator
-from physgnn.prediction.linear import linear_answer
 from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import Predictor
 from physgnn.serving.patch import Exposed
@@ -93,11 +94,11 @@ def view_run(run: Path, title: str) -> Viewed:
     body, calibration = network.body, network.calibration
     trained = None if calibration is None else calibration.trained_range.nodes
     exposed = Exposed.of(body, _exposed_nodes(body.mesh, trained))
-    linear = network.linear or linear_answer(body)
+    linear = FromFunction(body, network.surrogate.linear)  # shares its factor
     return Viewed(
         title=title,
         body=body,
-        answers={"network": network, "linear": Predictor(body, linear)},
+        answers={"network": network, "linear": Predictor(linear)},
         exposed=exposed,
         calibration=calibration,
         indicator=network.indicate if calibration else None,
@@ -108,7 +109,7 @@ def view_mesh(mesh: TetMesh, title: str, *, factors: Path | None = None) -> View
     """Return a mesh without a network, made of the published materials."""
     body = Body(mesh, BRAIN_AND_TUMOUR, mesh.point_set("fixed"), factors=factors)
     exposed = Exposed.of(body, _exposed_nodes(mesh, None))
-    linear = Predictor(body, linear_answer(body))
+    linear = Predictor(build_model("linear", body))
     return Viewed(title, body, {"linear": linear}, exposed)
 
 

@@ -50,7 +50,7 @@ def predict(
     from physgnn.io import read_load_case
     from physgnn.io.answer_files import Answer, form_of
     from physgnn.io.nifti import read_image
-    from physgnn.prediction.linear import linear_answer
+    from physgnn.learning.models import build_model
     from physgnn.prediction.predictor import Predictor
 
     write = form_of(out, form).write
@@ -61,7 +61,8 @@ def predict(
     prediction = predictor(case, tolerance_mm=tolerance_mm, estimate=estimate)
     fields = {"displacement_mm": prediction.displacement}
     if linear:
-        fields["linear_displacement_mm"] = linear_answer(body)(case)
+        solution = build_model("linear", body)
+        fields["linear_displacement_mm"] = solution.predict(case)
     fields["force_n"] = case.on_points(body.mesh.n_points)
     write(Path(out), Answer(body.mesh, fields, grid))
     return prediction

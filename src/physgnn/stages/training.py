@@ -44,10 +44,8 @@ def train(
         See `physgnn.learning.train`.
     """
     from physgnn.learning.checkpoint import Checkpoint
-    from physgnn.learning.fitting import fit
-    from physgnn.learning.models import FITTED
     from physgnn.learning.training import is_first_process
-    from physgnn.learning.training import train as train_network
+    from physgnn.learning.training import train as train_model
     from physgnn.prediction.family import calibrate_family
     from physgnn.prediction.run_calibration import calibrate_run
 
@@ -58,12 +56,7 @@ def train(
     # Training keeps what it read in a file: the store needn't keep it too.
     opened = [Store.open(path, cache_bytes=128 * 2**20) for path in paths]
     parts = _splits(split, opened)
-    if config.model in FITTED:
-        checkpoint = fit(opened, parts, config, run, progress=progress)
-    else:
-        checkpoint = train_network(
-            opened, parts, config, run, progress=progress, **options
-        )
+    checkpoint = train_model(opened, parts, config, run, progress=progress, **options)
     if is_first_process():
         if len(opened) == 1:
             calibrate_run(run, opened[0], parts[0], progress=progress)

@@ -47,7 +47,8 @@ class FiniteElement(Surrogate):
 
     @cached_property
     def _approach(self) -> Approach:
-        return Approach(self.body)
+        body = self.body
+        return Approach(body.mesh, body.materials, body.fixed, element=body.element)
 
     @classmethod
     def is_meant_for(cls, store: Store, test: IntArray) -> bool:

@@ -14,6 +14,9 @@ from physgnn.mechanics.loads import LoadCase
 SAME_DIRECTION = 1 - 1e-10  # cosine between two force fields of the same load path
 
 
+Known = Callable[[int], NDArray[np.float32]]  # from a sample's row, mm
+
+
 class LevelInterpolation(Surrogate):
     """Interpolates between the neighbouring training levels of the same load path.
 
@@ -24,6 +27,7 @@ class LevelInterpolation(Surrogate):
 
     learns = False
     zero_without_load = True
+    _known: Known
 
     def __init__(self, body: Body) -> None:
         super().__init__(body)
@@ -47,7 +51,13 @@ class LevelInterpolation(Surrogate):
             path = store.load_path(number)
             forces[path.nodes] = path.forces
         self._forces = self._forces.reshape(len(paths), -1)
-        self._known = lambda row: store.displacement(samples[row, 0])[samples[row, 1]]
+
+        def known(row: int) -> NDArray[np.float32]:
+            path, level = samples[row].tolist()
+            found: NDArray[np.float32] = store.displacement(path)[level]
+            return found
+
+        self._known = known
 
     def predict(self, load_case: LoadCase) -> FloatArray:
         """Return the interpolated displacement.
@@ -94,9 +104,7 @@ class LevelInterpolation(Surrogate):
         """Look displacements up in memory."""
         self._factors, self._path = arrays["factors"], arrays["path"]
         self._forces = arrays["forces"]
-        self._known: Callable[[int], NDArray[np.float32]] = (
-            arrays["displacement"].__getitem__
-        )
+        self._known = arrays["displacement"].__getitem__
 
     @classmethod
     def applies_to(cls, store: Store, train: IntArray, test: IntArray) -> bool:

@@ -9,11 +9,10 @@ from scipy.spatial import cKDTree
 from physgnn.dataset.store import Store
 from physgnn.learning.anchors import sample_forces
 from physgnn.learning.modes import leading_modes
+from physgnn.learning.surrogate import FloatArray, IntArray
 from physgnn.mechanics.loads import LoadCase
 
-FloatArray = NDArray[np.float64]
 Rows = NDArray[np.float32]
-IntArray = NDArray[np.int64]
 
 N_COMPONENTS = 32
 NODAL_COLUMNS = 9  # position, way to the nearest loaded point, force there

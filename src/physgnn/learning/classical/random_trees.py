@@ -109,7 +109,7 @@ def _mean_of_leaves(inputs, root, child, feature, threshold, value):  # type: ig
         for node in root:
             while feature[node] >= 0:
                 right = inputs[row, feature[node]] > threshold[node]
-                node = child[node, 1 if right else 0]  # noqa: PLW2901
+                node = child[node, 1 if right else 0]
             for target in range(value.shape[1]):
                 found[row, target] += value[child[node, 0], target]
     return found / len(root)

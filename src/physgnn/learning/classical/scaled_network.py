@@ -55,8 +55,8 @@ class ScaledNetwork:
         for weights, bias in self._layers[:-1]:
             found = np.maximum(found @ weights + bias, 0.0)
         weights, bias = self._layers[-1]
-        found = (found @ weights + bias) * self._unit + self._mean
-        return found
+        scaled: Rows = (found @ weights + bias) * self._unit + self._mean
+        return scaled
 
     def _scaled(self, inputs: Rows) -> Rows:
         scaled: Rows = (inputs - self._middle) / self._width

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sklearn.ensemble import ExtraTreesRegressor
 
-from physgnn.prediction.classical.estimator import (
-    Estimator,
-    ScaledNetwork,
-    random_trees,
-)
+from physgnn.learning.classical.estimator import Estimator
+from physgnn.learning.classical.random_trees import RandomTrees, _at_most
+from physgnn.learning.classical.scaled_network import ScaledNetwork
 
 
 def rows(seed: int, n: int = 400) -> tuple[np.ndarray, np.ndarray]:
@@ -20,7 +21,7 @@ def rows(seed: int, n: int = 400) -> tuple[np.ndarray, np.ndarray]:
 def learners(seed: int) -> list[Estimator]:
     return [
         ScaledNetwork((16,), epochs=400, seed=seed),
-        random_trees(10, smallest_leaf=2, seed=seed),
+        RandomTrees(10, smallest_leaf=2, seed=seed),
     ]
 
 
@@ -52,4 +53,34 @@ def test_network_computes_in_float32() -> None:
     inputs, targets = rows(0)
     learner = ScaledNetwork((16,), epochs=2, seed=0).fit(inputs, targets)
     assert learner.predict(inputs).dtype == np.float32
-    assert learner._network.coefs_[0].dtype == np.float32
+    assert learner.arrays()["weights.0"].dtype == np.float32
+
+
+@pytest.mark.parametrize("kind", [0, 1])
+def test_what_is_written_down_predicts_the_same_bit_for_bit(kind: int) -> None:
+    learner, again = (learners(seed)[kind] for seed in (1, 9))
+    learner.fit(*rows(0))
+    again.restore(learner.arrays())
+    new, _ = rows(1)
+    np.testing.assert_array_equal(again.predict(new), learner.predict(new))
+
+
+def test_predictions_are_those_of_scikit_learn() -> None:
+    """Of its own estimators; leaves are kept in float32."""
+    inputs, targets = rows(0)
+    new, _ = rows(1)
+    trees = ExtraTreesRegressor(
+        10, min_samples_leaf=2, max_features=1 / 3, random_state=1
+    )
+    ours = RandomTrees(10, smallest_leaf=2, seed=1).fit(inputs, targets)
+    expected = trees.fit(inputs, targets).predict(new)
+    np.testing.assert_allclose(ours.predict(new), expected, atol=1e-6)
+
+
+@given(st.floats(-1e3, 1e3))
+def test_rows_fall_the_same_way_by_thresholds_in_float32(threshold: float) -> None:
+    near = np.float32(threshold)
+    rows = [np.nextafter(near, np.float32(side)) for side in (-np.inf, np.inf)]
+    ours = _at_most(np.array([threshold]))[0]
+    for row in [near, *rows]:
+        assert (row <= ours) == (np.float64(row) <= threshold)

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physgnn.dataset.store import Store
+from physgnn.learning.classical.load_features import LoadFeatures
 from physgnn.mechanics.loads import LoadCase
-from physgnn.prediction.classical.load_features import LoadFeatures
 
 
 @pytest.fixture(scope="module")

@@ -3,42 +3,32 @@
 import numpy as np
 
 from physgnn.dataset.store import Store
+from physgnn.learning.classical.load_features import LoadFeatures, Rows
+from physgnn.learning.classical.row_learner import RowLearner
+from physgnn.learning.surrogate import FloatArray, IntArray
 from physgnn.mechanics.loads import LoadCase
-from physgnn.prediction.classical.estimator import Estimator
-from physgnn.prediction.classical.load_features import IntArray, LoadFeatures, Rows
-from physgnn.prediction.prediction import Answer, FloatArray
 
 N_ROWS = 500_000  # (sample, node) pairs to learn from, to bound memory
 
 
-def nodal_answer(
-    estimator: Estimator, store: Store, samples: IntArray, *, seed: int
-) -> Answer:
-    """Return a learner of single nodes, fitted, as a function of the load case.
+class NodalLearner(RowLearner):
+    """A row a node: its place and the load in, its displacement in mm out.
 
-    As Lorente et al. 2017 use trees and Tonutti et al. 2017 a small network: a row a
-    node, its place and the load in, its displacement out.
-
-    Parameters
-    ----------
-    estimator : Estimator
-        From features to displacement, mm.
-    store : Store
-    samples : (n, 2) integer array
-        Rows of (path, level) to learn from.
-    seed : int
-        Of the choice of nodes.
+    As Lorente et al. 2017 use trees and Tonutti et al. 2017 a small network.
     """
-    features = LoadFeatures.of(store, samples)
-    estimator.fit(*_rows(features, store, samples, seed))
-    free = np.setdiff1d(np.arange(store.mesh.n_points), store.fixed)
 
-    def answer(case: LoadCase) -> FloatArray:
-        displacement = np.zeros((store.mesh.n_points, 3))
-        displacement[free] = estimator.predict(_features(features, case, free))
+    def learn(self, store: Store, samples: IntArray, seed: int) -> None:
+        """Fit the estimator to as many nodes of every sample, drawn by the seed."""
+        self.estimator.fit(*_rows(self.features, store, samples, seed))
+
+    def predict(self, load_case: LoadCase) -> FloatArray:
+        """Return what the estimator says of every free node, (n_points, 3), mm."""
+        n_points = self.body.mesh.n_points
+        free = np.setdiff1d(np.arange(n_points), self.body.fixed)
+        displacement = np.zeros((n_points, 3))
+        rows = _features(self.features, load_case, free)
+        displacement[free] = self.estimator.predict(rows)
         return displacement
-
-    return answer
 
 
 def _rows(

@@ -3,16 +3,16 @@
 import numpy as np
 
 from physgnn.dataset.store import Store
+from physgnn.learning.baselines.linear import Linear
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.finite_element import FiniteElementPredictor
-from physgnn.prediction.linear import linear_answer
 
 
 def test_superposition(store: Store, body: Body) -> None:
     first, second = store.load_case(0, 2), store.load_case(1, 2)
     both = LoadCase(first.nodes, 2 * first.forces - second.forces)
-    answer = linear_answer(body)
+    answer = Linear(body).predict
     expected = 2 * answer(first) - answer(second)
     np.testing.assert_allclose(answer(both), expected, atol=1e-10)
 
@@ -20,7 +20,7 @@ def test_superposition(store: Store, body: Body) -> None:
 def test_small_loads_converge_to_it_quadratically(store: Store, body: Body) -> None:
     """What linear elasticity leaves out is of second order in the load."""
     case = store.load_case(0, 2)
-    answer, solve = linear_answer(body), FiniteElementPredictor(body)
+    answer, solve = Linear(body).predict, FiniteElementPredictor(body)
     errors = []
     for factor in (1.0, 0.5, 0.25):
         weaker = LoadCase(case.nodes, factor * case.forces)

@@ -1,15 +1,13 @@
 """What the classical learners are wrapped in is exact where a learner is."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from physgnn.dataset.store import Store
-from physgnn.prediction.classical import REGRESSORS, nodal, regressor_answer
-from physgnn.prediction.classical.nodal import nodal_answer
-from physgnn.prediction.classical.pod import pod_answer
-from physgnn.prediction.prediction import Answer
+from physgnn.learning.classical import nodal_learner
+from physgnn.learning.classical.nodal_learner import NodalLearner
+from physgnn.learning.classical.pod_learner import PODLearner
+from physgnn.learning.classical.row_learner import RowLearner
 
 
 class LeastSquares:
@@ -22,6 +20,12 @@ class LeastSquares:
     def predict(self, inputs: np.ndarray) -> np.ndarray:
         return inputs @ self.map
 
+    def arrays(self) -> dict[str, np.ndarray]:
+        return {"map": self.map}
+
+    def restore(self, arrays: dict[str, np.ndarray]) -> None:
+        self.map = arrays["map"]
+
 
 def split(store: Store) -> tuple[np.ndarray, np.ndarray]:
     samples = store.samples()
@@ -31,9 +35,10 @@ def split(store: Store) -> tuple[np.ndarray, np.ndarray]:
 def test_pod_of_an_exact_learner_is_exact_on_paths_never_seen(store: Store) -> None:
     """Seven load paths span the six-dimensional space of loads and answers."""
     train, test = split(store)
-    answer = pod_answer(LeastSquares(), store, train, seed=0)
+    learner = PODLearner(store.body, lambda _: LeastSquares())
+    learner.fit(store, train)
     for path, level in test.tolist():
-        found = answer(store.load_case(path, level))
+        found = learner.predict(store.load_case(path, level))
         np.testing.assert_allclose(found, store.displacement(path)[level], atol=1e-3)
 
 
@@ -41,7 +46,7 @@ def test_nodal_learner_is_told_what_belongs_together(store: Store) -> None:
     """Every row pairs a node's place with the displacement of that very node."""
     train, _ = split(store)
     learner = LeastSquares()
-    nodal_answer(learner, store, train, seed=0)
+    NodalLearner(store.body, lambda _: learner).fit(store, train)
     places = store.mesh.points.astype(np.float32)
     found = np.array(
         [(places == row[:3]).all(axis=1).argmax() for row in learner.inputs]
@@ -57,28 +62,17 @@ def test_nodal_learner_is_told_what_belongs_together(store: Store) -> None:
 
 
 def test_rows_are_bounded(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(nodal, "N_ROWS", 100)
+    monkeypatch.setattr(nodal_learner, "N_ROWS", 100)
     train, _ = split(store)
     learner = LeastSquares()
-    nodal_answer(learner, store, train, seed=0)
+    NodalLearner(store.body, lambda _: learner).fit(store, train)
     assert len(train) <= len(learner.inputs) <= 100
 
 
-@pytest.mark.parametrize("make", [pod_answer, nodal_answer])
-def test_fixed_points_stay(store: Store, make: Callable[..., Answer]) -> None:
+@pytest.mark.parametrize("kind", [PODLearner, NodalLearner])
+def test_fixed_points_stay(store: Store, kind: type[RowLearner]) -> None:
     train, _ = split(store)
-    found = make(LeastSquares(), store, train, seed=0)(store.load_case(7, 3))
+    learner = kind(store.body, lambda _: LeastSquares())
+    learner.fit(store, train)
+    found = learner.predict(store.load_case(7, 3))
     np.testing.assert_allclose(found[store.fixed], 0, atol=1e-6)
-
-
-@pytest.mark.parametrize("name", REGRESSORS)
-def test_every_row_repeats_with_its_seed(store: Store, name: str) -> None:
-    train, test = split(store)
-    case = store.load_case(*test[-1])
-    first, again, other = (
-        regressor_answer(name, store, train, seed)(case) for seed in (1, 1, 2)
-    )
-    assert first.shape == store.mesh.points.shape
-    assert np.isfinite(first).all()
-    np.testing.assert_array_equal(first, again)
-    assert (first != other).any()

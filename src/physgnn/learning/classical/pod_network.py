@@ -1,0 +1,37 @@
+"""A small network from the load to the weights of POD modes (Liu et al. 2020)."""
+
+from physgnn.learning.classical.pod_learner import PODLearner
+from physgnn.learning.classical.scaled_network import ScaledNetwork
+from physgnn.mechanics.body import Body
+
+
+class PODNetwork(PODLearner):
+    """A multilayer perceptron from the load to the weights of POD modes.
+
+    Parameters
+    ----------
+    body : Body
+        What is loaded.
+    modes : int
+        How many; fewer if there are fewer samples.
+    width, layers : int
+        Of the network's hidden part.
+    epochs : int
+        Passes over the samples.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        *,
+        modes: int = 128,
+        width: int = 128,
+        layers: int = 2,
+        epochs: int = 200,
+    ) -> None:
+        hidden = (width,) * layers
+        super().__init__(
+            body,
+            lambda seed: ScaledNetwork(hidden, epochs=epochs, seed=seed),
+            modes=modes,
+        )
