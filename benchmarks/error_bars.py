@@ -16,7 +16,8 @@ import numpy as np
 from held_out import Log, lengths, spread
 from physgnn.dataset import Store, named_split
 from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.lifted import body_axes
+from physgnn.learning.lifted import LiftedModel, body_axes
+from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.kinematics import deformation_gradient
 from physgnn.prediction.calibration import FLOOR_MM, Calibration
 from physgnn.prediction.indicators import INDICATORS
@@ -31,22 +32,28 @@ GROUPS = ((1, 5), (6, 10), (11, 15), (16, 20), (21, 25), (26, 30))
 CHEAP = ("correction", "residual")
 
 
-def expansion(run: Path):
-    """Return the lifted network's answer before anything is learnt."""
+def expansion(run: Path) -> FromFunction:
+    """Return the lifted network as it is before anything is learnt."""
     model = Checkpoint.load(run).model
+    assert isinstance(model, LiftedModel)
     axes = body_axes(model.body.mesh)
-    return lambda case: model.encode(case)[:, :3].numpy().astype(np.float64) @ axes
+    alone = FromFunction(
+        model.body,
+        lambda case: model.encode(case)[:, :3].numpy().astype(np.float64) @ axes,
+    )
+    alone.linear = model.linear  # type: ignore[method-assign]
+    alone.reference_states = model.reference_states  # type: ignore[method-assign]
+    return alone
 
 
 def measure(predictor: Predictor, store: Store, samples, log: Log, end: float) -> None:
     """Log sizes of the true error and of every estimate, until the time is up."""
-    body = predictor.body
-    cheap = {name: INDICATORS[name](body, predictor.linear) for name in CHEAP}
+    cheap = {name: INDICATORS[name](predictor.surrogate) for name in CHEAP}
     for path, level in samples:
         if time.perf_counter() > end:
             return
         case = store.load_case(path, level)
-        answer = predictor.answer(case)
+        answer = predictor.surrogate.predict(case)
         start = time.perf_counter()
         estimate = predictor.error(case, answer)
         seconds = time.perf_counter() - start
@@ -172,7 +179,7 @@ def main() -> None:
     if missing and options.seconds > 0:
         predictor = Predictor.load(options.run)
         if options.untrained:
-            predictor.answer = expansion(options.run)
+            predictor = Predictor(expansion(options.run))
         measure(predictor, store, missing, log, end)
     report(log.of("error"))
     files = [options.run / name for name in (CALIBRATION_FILE, RELAXATION_FILE)]

@@ -87,7 +87,7 @@ def main() -> None:
     assert isinstance(model, LiftedModel)
     steps = {
         **parts(model),
-        "answer: with the network": predictor.answer,
+        "answer: with the network": predictor.surrogate.predict,
         "prediction: with error estimate and trained range": predictor,
     }
     times = {name: median_ms(do, cases, given.repeat) for name, do in steps.items()}

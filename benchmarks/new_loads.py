@@ -20,13 +20,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from physgnn.learning.interface import Model
-from physgnn.prediction.network import nearest_known
 
 from held_out import Log, lengths
 from physgnn.dataset import Store, named_split
 from physgnn.geometry.boundary import boundary_surface
 from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics import LoadCase, LoadPath, Solver, SolverOptions, Status
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.body import Body
@@ -120,8 +119,8 @@ def far_apart(a: np.ndarray | None, b: np.ndarray | None) -> float:
 class Bold:
     """Repairs that trust every answer."""
 
-    def __init__(self, model: Model, mm: float) -> None:
-        body, known = model.body, nearest_known(model)
+    def __init__(self, model: Surrogate, mm: float) -> None:
+        body, known = model.body, model.reference_states()
         self._approach = Approach(body.mesh, body.materials, body.fixed, known=known)
         self._within = mm / SAFETY
 
@@ -147,7 +146,7 @@ def measure(
         case, begun = path.case(level), time.process_time()
         found: Prediction = predictor(case, tolerance_mm=mm)
         processor = time.process_time() - begun
-        answer = predictor.answer(case)
+        answer = predictor.surrogate.predict(case)
         relaxed = predictor.relax(case, answer).displacement
         log.add(
             path=number,

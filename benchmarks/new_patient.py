@@ -15,27 +15,26 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from physgnn.prediction.network import network_answer
 
 from physgnn.dataset import Store, named_split
 from physgnn.learning.adaptation import adapt
 from physgnn.learning.anchors import sample_forces
+from physgnn.learning.baselines.linear import Linear
 from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.surrogate import Surrogate
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
-from physgnn.prediction import linear_answer
-from physgnn.prediction.prediction import Answer
 from tables import machine, table
 
 DONE = "tuned"  # a file that says so
 
 
-def errors(answer: Answer, store: Store, samples: np.ndarray) -> np.ndarray:
+def errors(surrogate: Surrogate, store: Store, samples: np.ndarray) -> np.ndarray:
     """Return every point's error in every sample, (n_samples, n_points), mm."""
     found = []
     for path, level in samples.tolist():
         truth = store.displacement(path)[level]
-        predicted = answer(store.load_case(path, level))
+        predicted = surrogate.predict(store.load_case(path, level))
         found.append(np.linalg.norm(predicted - truth, axis=1))
     return np.stack(found)
 
@@ -82,13 +81,13 @@ def main() -> None:
     start = time.perf_counter()
     adapted = adapt(family, body, sample_forces(store, split.train))
     seconds = time.perf_counter() - start
-    answers = {"linear solution": linear_answer(body)}
-    answers["family's network"] = network_answer(adapted.model)
+    answers: dict[str, Surrogate] = {"linear solution": Linear(body)}
+    answers["family's network"] = adapted.model
     if given.tune:
         model = tuned(family, store, given.minutes, given.tune).model
-        answers[f"tuned for {given.minutes:g} minutes"] = network_answer(model)
+        answers[f"tuned for {given.minutes:g} minutes"] = model
     for run in given.runs:
-        answers[run.name] = network_answer(Checkpoint.load(run).model)
+        answers[run.name] = Checkpoint.load(run).model
     rows = {name: errors(answer, store, samples) for name, answer in answers.items()}
     with torch.no_grad():
         adapted.model.get_submodule("local.last").weight.zero_()

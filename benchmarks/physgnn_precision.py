@@ -24,7 +24,7 @@ def measure(run: Path, store: Store, samples: np.ndarray) -> list[list[str]]:
     for path, level in samples:
         true = store.displacement(path)[level]
         case = store.load_case(path, level)
-        exact, rough = (predictors[p].answer(case) for p in PRECISIONS)
+        exact, rough = (predictors[p].surrogate.predict(case) for p in PRECISIONS)
         distances.append(
             [
                 np.linalg.norm(a - b, axis=1).mean()

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from physgnn.prediction.linear import linear_answer
-from physgnn.prediction.network import nearest_known
 
 from held_out import Log, Sample, lengths, spread
 from physgnn.dataset import Store, named_split
+from physgnn.learning.baselines.linear import Linear
 from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.surrogate import FromFunction, Surrogate
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.prediction import Predict, Prediction
@@ -27,21 +27,28 @@ from tables import machine, table
 GROUPS = ((1, 5), (6, 10), (11, 15), (16, 20), (21, 25), (26, 30), (1, 30))
 
 
+class Other(FromFunction):
+    """Another start, with the same reference states to repair it from."""
+
+    def __init__(self, model: Surrogate, displacement) -> None:
+        super().__init__(model.body, displacement)
+        self.reference_states = model.reference_states
+
+
 class Starts:
     """What is compared: each answers a sample to the tolerance."""
 
     def __init__(self, run: Path, store: Store, tolerance_mm: float) -> None:
         self.store, self._tolerance_mm = store, tolerance_mm
         model = Checkpoint.load(run).model
-        body, known = model.body, nearest_known(model)
-        linear = linear_answer(body)
+        body = model.body
         self._before = np.zeros((body.mesh.n_points, 3))
         self.predict: dict[str, Predict] = {
             "network": Predictor.load(run),
             "cold solve": FiniteElementPredictor(body, threads=torch.get_num_threads()),
-            "linear solution": Predictor(body, linear, known=known),
-            "zero": Predictor(body, self._zero, known=known),
-            "frame before": Predictor(body, lambda _: self._before, known=known),
+            "linear solution": Predictor(Other(model, Linear(body).predict)),
+            "zero": Predictor(Other(model, self._zero)),
+            "frame before": Predictor(Other(model, lambda _: self._before)),
         }
         for name in self.predict:  # compiles, allocates, analyses the pattern
             self(name, (0, 0))

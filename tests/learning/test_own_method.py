@@ -1,0 +1,62 @@
+"""A method from outside the package, as docs/method.md has it, by the command line."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from physgnn.dataset.store import Store
+from physgnn.evaluation.result import Report
+from physgnn.prediction.predictor import Predictor
+
+TEMPLATE = Path(__file__).parents[2] / "docs" / "templates" / "method.py"
+METHOD = "method:NearestLoad"
+COMMAND = "from physgnn.cli import main; main()"
+
+
+def physgnn(folder: Path, *arguments: str) -> str:
+    """Run a command in a folder, as a user does."""
+    made = subprocess.run(
+        [sys.executable, "-P", "-c", COMMAND, *arguments],
+        cwd=folder,
+        env={**os.environ},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert made.returncode == 0, made.stderr
+    return made.stdout
+
+
+def test_the_template_is_about_thirty_lines() -> None:
+    text = TEMPLATE.read_text("utf-8")
+    code = re.sub(r'^""".*?"""', "", text, flags=re.S)
+    assert len([line for line in code.splitlines() if line.strip()]) <= 32
+
+
+@pytest.mark.slow
+def test_it_is_trained_saved_loaded_and_evaluated(
+    store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copyfile(TEMPLATE, tmp_path / "method.py")
+    physgnn(tmp_path, "train", str(store.path), "--model", METHOD, "-o", "run")
+    table = physgnn(tmp_path, "evaluate", "run", "--baselines", "zero,linear")
+    assert "nearestload" in table.lower()
+    physgnn(tmp_path, "train", str(store.path), "--model", "zero", "-o", "other")
+    physgnn(tmp_path, "evaluate", "other", "--baselines", METHOD)
+    ours, beside = (
+        Report.read(tmp_path / run / "evaluation-path" / "metrics.json").model(METHOD)
+        for run in ("run", "other")
+    )
+    assert ours.euclidean.mean == pytest.approx(beside.euclidean.mean)
+    monkeypatch.syspath_prepend(tmp_path)
+    predictor = Predictor.load(tmp_path / "run")
+    case = store.load_case(0, 1)
+    prediction = predictor(case)
+    assert prediction.error_estimate_mm is not None
+    assert np.isfinite(prediction.displacement).all()
