@@ -15,11 +15,11 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning import reduced
 from physgnn.learning.fitting import fit
 from physgnn.learning.graph import graph_of
-from physgnn.learning.load_distance import LoadDistance, farthest
 from physgnn.learning.models import FITTED, build_model
 from physgnn.learning.reduced import ReducedModel
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.mechanics.body import Body
+from physgnn.mechanics.load_distance import LoadDistance, farthest
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState

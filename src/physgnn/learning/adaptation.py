@@ -1,11 +1,11 @@
 """A trained network on a body it never saw: equilibria found there, nothing learnt."""
 
 from physgnn.errors import InputError
-from physgnn.learning.anchors import FloatArray
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.lifted import LiftedModel
 from physgnn.learning.models import build_model
 from physgnn.learning.run_record import trained_meshes
+from physgnn.mechanics.anchors import FloatArray
 from physgnn.mechanics.body import Body
 
 # Written anew by `Checkpoint.save`.

@@ -12,15 +12,14 @@ from torch import Tensor
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.interface import Model
-from physgnn.learning.mesh_gradient import points_within
-from physgnn.learning.modes import leading_modes
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.cell_selection import cell_works, weigh_cells
-from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.galerkin import GalerkinBody
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.modes import leading_modes
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -64,7 +63,6 @@ class GalerkinModel(Model):
             )
         self.body = body
         self.reach, self.tolerance = reach, tolerance
-        self._elements = make_elements(body.mesh, body.materials)
         n = body.mesh.n_points
         self.register_buffer("near", torch.zeros(n, dtype=torch.bool))
         self.register_buffer("modes", torch.zeros(modes, n, 3))
@@ -83,7 +81,7 @@ class GalerkinModel(Model):
         )
         touching = near[mesh.cells].any(axis=1)
         works = [
-            _scaled(cell_works(self._elements, u, modes.astype(np.float32)))
+            _scaled(cell_works(self.body.elements, u, modes.astype(np.float32)))
             for u in _states(store, samples, MAX_STATES)
         ]
         weights = np.ones(mesh.n_cells)
@@ -99,7 +97,7 @@ class GalerkinModel(Model):
         """Return the answer, (n_points, 3) float32, mm: all is done here."""
         if self._small is None:
             self._small = GalerkinBody(
-                self._elements,
+                self.body.elements,
                 self.weights.cpu().numpy().astype(np.float64),
                 np.flatnonzero(self.near.cpu().numpy()),
                 self.modes.cpu().numpy().astype(np.float64),

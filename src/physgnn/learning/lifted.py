@@ -1,6 +1,6 @@
 """The lifted network: physics carries a load's answer, a network what is left over.
 
-u = ū + u₁ + u₂ (`physgnn.learning.perturbation`) + ‖u₂‖ · (network + modes). The
+u = ū + u₁ + u₂ (`physgnn.mechanics.perturbation`) + ‖u₂‖ · (network + modes). The
 factor, the mean length of u₂, makes the correction O(load²) or smaller, so that small
 loads get the linear solution, and none nothing. All is computed in the body's own axes,
 so that a body turned with its load has its answer turned.
@@ -15,19 +15,20 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from physgnn.dataset.store import Store
+from physgnn.dataset.training_loads import sample_forces
 from physgnn.errors import InputError
+from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.anchors import mean_load_anchors, sample_forces
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.interface import Model
 from physgnn.learning.lifted_network import LiftedNetwork, Patch
-from physgnn.learning.mesh_gradient import points_within
-from physgnn.learning.modes import leading_modes
-from physgnn.learning.near_loads import NearLoads
-from physgnn.learning.perturbation import Perturbation
+from physgnn.mechanics.anchors import mean_load_anchors
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import ELEMENTS
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.modes import leading_modes
+from physgnn.mechanics.near_loads import NearLoads
+from physgnn.mechanics.perturbation import Perturbation
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

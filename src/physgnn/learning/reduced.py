@@ -18,15 +18,13 @@ from torch import Tensor, nn
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.interface import Model
-from physgnn.learning.load_distance import LoadDistance, farthest
-from physgnn.learning.mesh_gradient import points_within
-from physgnn.mechanics.assembly import make_pattern
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.known_states import KnownState
 from physgnn.mechanics.linear_solver import make_linear_solver
+from physgnn.mechanics.load_distance import LoadDistance, farthest
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.local_expansion import LocalExpansion
 
@@ -86,10 +84,8 @@ class ReducedModel(Model):
         self.body = body
         self.together, self.reach = together, reach
         self.reach_from_rest = reach_from_rest
-        self._elements = make_elements(body.mesh, body.materials)
-        self._pattern = make_pattern(body.mesh.cells, body.mesh.n_points, body.fixed)
         threads = torch.get_num_threads()
-        self._linear = make_linear_solver(self._pattern, threads=threads)
+        self._linear = make_linear_solver(body.pattern, threads=threads)
         shape = (anchors, body.mesh.n_points, 3)
         self.register_buffer("states", torch.zeros(shape))
         self.register_buffer("loads", torch.zeros(shape))
@@ -173,7 +169,7 @@ class ReducedModel(Model):
         return self._known.nearest(force)
 
     def _known_state(self, k: int | None) -> KnownState:
-        return KnownState.of(self._elements, self._pattern, self._displacement(k))
+        return KnownState.of(self.body, self._displacement(k))
 
     def _displacement(self, k: int | None) -> FloatArray:
         """Return an anchor's displacement, or that of the rest state."""
@@ -187,11 +183,7 @@ class ReducedModel(Model):
         loaded = np.array(nodes, dtype=np.int64)
         near = points_within(self.body.mesh, loaded, reach)
         return LocalExpansion(
-            self._elements,
-            self._pattern,
-            self._displacement(k),
-            np.flatnonzero(near),
-            self._linear,
+            self.body, self._displacement(k), np.flatnonzero(near), self._linear
         )
 
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:  # noqa: ARG002

@@ -119,7 +119,7 @@ def _digest(pattern: Pattern, data: FloatArray) -> str:
         library = version("mkl")
     except PackageNotFoundError:
         library = "unknown"
-    digest = hashlib.sha256(library.encode())
+    digest = hashlib.sha256(f"{library}, two-level".encode())
     for array in (pattern.indptr, pattern.indices, data):
         digest.update(array.tobytes())
     return digest.hexdigest()[:32]

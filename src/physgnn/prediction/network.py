@@ -9,7 +9,7 @@ from physgnn.learning.graph import graph_of
 from physgnn.learning.interface import Model
 from physgnn.learning.lifted import LiftedModel, body_axes
 from physgnn.learning.reduced import ReducedModel
-from physgnn.mechanics.element import internal_force, make_elements
+from physgnn.mechanics.element import internal_force
 from physgnn.mechanics.known_states import KnownState, NearestKnown
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Answer, FloatArray
@@ -49,10 +49,9 @@ def first_cases(model: Model) -> Iterator[LoadCase]:
     yield LoadCase(free[:1], np.full((1, 3), TINY_N))
     if not isinstance(model, LiftedModel):
         return
-    elements = make_elements(body.mesh, body.materials, body.element)
     states = model.anchor_states.cpu().numpy().astype(np.float64)
     for state in states @ body_axes(body.mesh):
-        force, inverted = internal_force(elements, state)
+        force, inverted = internal_force(body.elements, state)
         if inverted < 0 and force[free].any():
             yield LoadCase(free, force[free])
 

@@ -276,15 +276,8 @@ class Predictor:
 
     @cached_property
     def _approach(self) -> Approach:
-        body = self.body
-        return Approach(
-            body.mesh,
-            body.materials,
-            body.fixed,
-            known=self._known,
-            element=body.element,
-            threads=torch.get_num_threads(),
-        )
+        threads = torch.get_num_threads()
+        return Approach(self.body, known=self._known, threads=threads)
 
 
 def _read_if_there(file: Path) -> Calibration | None:

@@ -3,8 +3,8 @@
 import numpy as np
 
 from physgnn.dataset.store import Store
-from physgnn.learning.modes import leading_modes
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.modes import leading_modes
 from physgnn.prediction.classical.estimator import Estimator
 from physgnn.prediction.classical.load_features import IntArray, LoadFeatures, Rows
 from physgnn.prediction.prediction import Answer, FloatArray

@@ -7,12 +7,12 @@ import pytest
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.anchors import mean_load_anchors
-from physgnn.learning.perturbation import Perturbation
+from physgnn.mechanics.anchors import mean_load_anchors
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import ELEMENTS
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.perturbation import Perturbation
 from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solver import SolverOptions, solve
 
