@@ -43,7 +43,8 @@ def factorize_cached(
     Parameters
     ----------
     solver : LinearSolver
-        Only MKL Pardiso can write its factors; others factorise as ever.
+        Only MKL Pardiso can write its factors, and only if it was made to; others
+        factorise as ever.
     pattern, data
         The matrix.
     folder : Path
@@ -56,7 +57,7 @@ def factorize_cached(
     bool
         False if K is not positive definite.
     """
-    if not isinstance(solver, PardisoSolver):
+    if not (isinstance(solver, PardisoSolver) and solver.storable):
         return solver.factorize(data)
     kept = folder / _digest(pattern, data)
     if _whole(kept) and solver.restore(kept, data):
@@ -119,7 +120,7 @@ def _digest(pattern: Pattern, data: FloatArray) -> str:
         library = version("mkl")
     except PackageNotFoundError:
         library = "unknown"
-    digest = hashlib.sha256(f"{library}, two-level".encode())
+    digest = hashlib.sha256(library.encode())
     for array in (pattern.indptr, pattern.indices, data):
         digest.update(array.tobytes())
     return digest.hexdigest()[:32]

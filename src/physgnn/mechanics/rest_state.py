@@ -42,9 +42,11 @@ class RestState:
         self._pattern = pattern = body.pattern
         rest = np.zeros_like(body.mesh.points)
         data, _ = assemble_tangent(body.elements, pattern, rest)
-        self._solver = make_linear_solver(pattern, threads=threads)
         if cache is None and self.n_points >= LARGE:
             cache = body.factors
+        self._solver = make_linear_solver(
+            pattern, threads=threads, storable=cache is not None
+        )
         positive = (
             factorize_cached(self._solver, pattern, data, cache)
             if cache
