@@ -21,7 +21,7 @@ from physgnn.mechanics.averaging import (
 )
 from physgnn.mechanics.kinematics import kinematics, volume_changes
 from physgnn.mechanics.materials import table
-from physgnn.mechanics.materials.table import LAW_INDEX, MAX_CONSTANTS, Material
+from physgnn.mechanics.materials.table import MAX_CONSTANTS, Material, law_index
 
 FloatArray = NDArray[np.float64]
 
@@ -96,7 +96,7 @@ def make_elements(
     constants = np.zeros((mesh.n_cells, MAX_CONSTANTS))
     for label, material in materials.items():
         inside = mesh.region == label
-        law[inside] = LAW_INDEX[material.law]
+        law[inside] = law_index(material)
         constants[inside, : len(material.constants)] = material.constants
     averaging = None
     if element == "tet4-averaged":
