@@ -13,10 +13,10 @@ from physgnn.mechanics import (
     Solver,
     SolverOptions,
 )
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import (
     ELEMENTS,
     internal_force,
-    make_elements,
 )
 from physgnn.mechanics.kinematics import deformation_gradient
 
@@ -78,17 +78,17 @@ def manufactured_errors(n: int, nu: float, element: str) -> tuple[float, float]:
         material.mu * (F - H)
         + material.lam * np.log(np.linalg.det(F))[..., None, None] * H
     )
-    gradients = make_elements(mesh, {0: material}).gradients
+    body = Body(mesh, {0: material}, element=element)
     share = mesh.cell_volumes[:, None, None] * np.einsum(
-        "eij,eaj->eai", P.mean(axis=1), gradients
+        "eij,eaj->eai", P.mean(axis=1), body.elements.gradients
     )
     force = np.zeros_like(points)
     np.add.at(force, mesh.cells, share)
     inside, moved = np.flatnonzero(~sides), np.flatnonzero(sides & ~still)
     push = PrescribedDisplacement(moved, wave(points[moved])[0])
     path = LoadPath(inside, force[inside], np.arange(1, 5) / 4, (push,))
-    options = SolverOptions(element=element, tolerance_mm=1e-6)
-    found = Solver(mesh, {0: material}, options=options).solve(path).displacement[-1]
+    solver = Solver(body, options=SolverOptions(tolerance_mm=1e-6))
+    found = solver.solve(path).displacement[-1]
     weight = mesh.cell_volumes[:, None] / 4
     error = np.einsum("qa,eai->eqi", RULE, found[mesh.cells]) - u
     slope = deformation_gradient(mesh, found)[:, None] - F
@@ -109,14 +109,13 @@ def squeezed_block_force(n: int, nu: float, element: str) -> float:
     mesh = with_points(mesh, SIDE * mesh.points, mesh.points[:, 2] == 0)
     top = np.flatnonzero(mesh.points[:, 2] == SIDE)
     push = PrescribedDisplacement(top, np.tile([0.0, 0.0, -0.2 * SIDE], (len(top), 1)))
-    options = SolverOptions(element=element)
-    material = {0: NeoHookean(3000.0, nu)}
+    body = Body(mesh, {0: NeoHookean(3000.0, nu)}, element=element)
     path = LoadPath.of(np.arange(1, 6) / 5, push)
-    solution = Solver(mesh, material, options=options).solve(path)
+    solution = Solver(body).solve(path)
     if not solution.converged:
         return np.nan
     u = solution.displacement[-1]
-    force, _ = internal_force(make_elements(mesh, material, element), u)
+    force, _ = internal_force(body.elements, u)
     return float(-force[top, 2].sum())
 
 
@@ -138,8 +137,8 @@ def cook_path(n: int, force_n: float = 0.005) -> tuple[TetMesh, LoadPath]:
 def cook_tip(n: int, nu: float, element: str, force_n: float = 0.005) -> float:
     """Rise of the panel's outer corner, mm; NaN if the solver stops short of it."""
     mesh, path = cook_path(n, force_n)
-    options = SolverOptions(element=element)
-    solution = Solver(mesh, {0: NeoHookean(3000.0, nu)}, options=options).solve(path)
+    body = Body(mesh, {0: NeoHookean(3000.0, nu)}, element=element)
+    solution = Solver(body).solve(path)
     corner = np.argmax(mesh.points[:, 0] + mesh.points[:, 1])
     rise = float(solution.displacement[-1, corner, 1])
     return rise if solution.converged else np.nan

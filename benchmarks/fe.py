@@ -24,6 +24,7 @@ from physgnn.dataset import Store, generate, verify
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio_run import COMMAND, FebioSolver
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.load_paths import all_node_paths, equal_levels
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.newton import Newton
@@ -55,20 +56,20 @@ def read_case(file: Path, n_levels: int) -> Case:
 
 def compare(case: Case) -> None:
     """Print time and differences, level by level, of one path."""
-    body = (case.mesh, BRAIN_AND_TUMOUR, case.fixed)
+    body = Body(case.mesh, BRAIN_AND_TUMOUR, case.fixed)
     answers: dict[str, np.ndarray] = {}
     rows = []
-    solver = Solver(*body)
+    solver = Solver(body)
     start = time.process_time()
     ours = solver.solve(case.path)
     seconds = time.process_time() - start
     rows.append(("physgnn", f"{seconds:.2f}", ours.counts["factorisations"], "1"))
     start = time.process_time()
-    answers["full Newton"], factorisations = full_newton(Newton(*body), case)
+    answers["full Newton"], factorisations = full_newton(Newton(body), case)
     peer = time.process_time() - start
     rows.append(("full Newton", f"{peer:.2f}", factorisations, f"{peer / seconds:.1f}"))
     if shutil.which(COMMAND):
-        febio = FebioSolver(*body).solve(case.path)
+        febio = FebioSolver(body).solve(case.path)
         answers["FEBio, now"] = levels_or_nan(febio.displacement, febio.status)
         ratio = f"{febio.seconds / seconds:.1f}"
         rows.append(("FEBio", f"{febio.seconds:.2f}", "", ratio))

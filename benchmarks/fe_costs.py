@@ -23,13 +23,13 @@ from physgnn.mechanics import (
     NeoHookean,
     PrescribedDisplacement,
     Solver,
-    SolverOptions,
     SurfacePressure,
     faces_within,
     remove_region,
 )
-from physgnn.mechanics.assembly import assemble_tangent, make_pattern
-from physgnn.mechanics.element import ELEMENTS, internal_force, make_elements
+from physgnn.mechanics.assembly import assemble_tangent
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.element import ELEMENTS, internal_force
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.load_paths import equal_levels
 from tables import load_kernels, machine, table
@@ -53,13 +53,13 @@ def milliseconds(work: Callable[[], object], times: int = 10) -> str:
 
 def laws(case: Case) -> None:
     """Print what one evaluation of every law costs."""
-    pattern = make_pattern(case.mesh.cells, case.mesh.n_points, case.fixed)
     u = some_displacement(case)
     rows = []
     for law in LAWS:
-        elements = make_elements(case.mesh, {0: law, TUMOUR: law})
-        residual = milliseconds(lambda e=elements: internal_force(e, u))
-        tangent = milliseconds(lambda e=elements: assemble_tangent(e, pattern, u))
+        body = Body(case.mesh, {0: law, TUMOUR: law}, case.fixed)
+        made, pattern = body.elements, body.pattern
+        residual = milliseconds(lambda e=made: internal_force(e, u))
+        tangent = milliseconds(lambda e=made, p=pattern: assemble_tangent(e, p, u))
         rows.append((law.law, residual, tangent))
     table(("law", "residual, ms", "tangent, ms"), rows)
 
@@ -69,10 +69,8 @@ def elements(case: Case) -> None:
     u, right = some_displacement(case), None
     rows = []
     for element in ELEMENTS:
-        made = make_elements(case.mesh, BRAIN_AND_TUMOUR, element)
-        pattern = make_pattern(
-            case.mesh.cells, case.mesh.n_points, case.fixed, made.averaging
-        )
+        body = Body(case.mesh, BRAIN_AND_TUMOUR, case.fixed, element=element)
+        made, pattern = body.elements, body.pattern
         linear = make_linear_solver(pattern, precision="single")
         data, _ = assemble_tangent(made, pattern, np.zeros_like(u))
         right = np.ones(pattern.n_unknowns)
@@ -128,8 +126,7 @@ COUNTS = ("factorisations", "back-solves", "displacement, mm: mean, largest")
 
 def path_costs(case: Case, path: LoadPath, element: str = "tet4") -> tuple[str, ...]:
     """Return CPU seconds, counts and the last level's displacement of one path."""
-    options = SolverOptions(element=element)
-    solver = Solver(case.mesh, BRAIN_AND_TUMOUR, case.fixed, options=options)
+    solver = Solver(Body(case.mesh, BRAIN_AND_TUMOUR, case.fixed, element=element))
     start = time.process_time()
     solution = solver.solve(path)
     seconds = time.process_time() - start

@@ -100,7 +100,7 @@ def child(file: Path) -> None:
     forget_peak()
     base = memory_mb("VmRSS")
     start = time.process_time()
-    solver = Solver(mesh, BRAIN_AND_TUMOUR)
+    solver = Solver(Body(mesh, BRAIN_AND_TUMOUR))
     prepared = time.process_time()
     solution = solver.solve(path)
     row = {

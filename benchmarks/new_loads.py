@@ -26,7 +26,7 @@ from physgnn.dataset import Store, named_split
 from physgnn.geometry.boundary import boundary_surface
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.surrogate import Surrogate
-from physgnn.mechanics import LoadCase, LoadPath, Solver, SolverOptions, Status
+from physgnn.mechanics import LoadCase, LoadPath, Solver, Status
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.load_paths import (
@@ -121,7 +121,7 @@ class Bold:
 
     def __init__(self, model: Surrogate, mm: float) -> None:
         body, known = model.body, model.reference_states()
-        self._approach = Approach(body.mesh, body.materials, body.fixed, known=known)
+        self._approach = Approach(body, known=known)
         self._within = mm / SAFETY
 
     def __call__(self, case: LoadCase, guess: np.ndarray) -> np.ndarray | None:
@@ -139,8 +139,7 @@ def measure(
     if not missing:
         return
     body = predictor.body
-    options = SolverOptions(element=body.element)
-    solver = Solver(body.mesh, body.materials, body.fixed, options=options)
+    solver = Solver(body)
     true, coarse = (truths(solver, path, n) for n in (FINE, COARSE))
     for _, level in missing:
         case, begun = path.case(level), time.process_time()

@@ -17,8 +17,8 @@ import numpy as np
 import torch
 
 from physgnn.dataset import Store, named_split
+from physgnn.dataset.training_loads import sample_forces
 from physgnn.learning.adaptation import adapt
-from physgnn.learning.anchors import sample_forces
 from physgnn.learning.baselines.linear import Linear
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.surrogate import Surrogate

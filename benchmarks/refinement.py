@@ -22,6 +22,7 @@ from physgnn.geometry.boundary import boundary_faces
 from physgnn.geometry.point_sets import Sphere
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import Gravity, LoadPath, Solver, SolverOptions
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import ELEMENTS
 from physgnn.mechanics.load_paths import equal_levels, inward_normals
 
@@ -121,12 +122,12 @@ def length(u: np.ndarray) -> np.ndarray:
 
 def study(meshes: list[TetMesh], element: str) -> dict[str, list[np.ndarray]]:
     """Solve on all meshes and print what refinement changes; return the answers."""
-    options = SolverOptions(element=element, tolerance_mm=1e-5)
+    options = SolverOptions(tolerance_mm=1e-5)
     forces = point_forces(meshes[0])
     answers: dict[str, list[np.ndarray]] = {}
     for mesh in meshes:
         start = time.perf_counter()
-        solver = Solver(mesh, BRAIN_AND_TUMOUR, options=options)
+        solver = Solver(Body(mesh, BRAIN_AND_TUMOUR, element=element), options=options)
         for name, path in load_paths(mesh, forces).items():
             solution = solver.solve(path)
             assert solution.converged, f"{name}: {solution.message}"

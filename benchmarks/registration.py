@@ -30,6 +30,7 @@ from physgnn.geometry import TetMesh, boundary_surface, mni152_phantom, tetrahed
 from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.surface_points import SurfacePoints
 from physgnn.mechanics import NeoHookean
+from physgnn.mechanics.body import Body
 from physgnn.prediction.measurement import N_SURFACE_POINTS
 from physgnn.prediction.registration import Registrar, Registration
 from shifts import EXPOSED_MM, Truth, held
@@ -84,7 +85,7 @@ def spline(
     return RBFInterpolator(x, d, smoothing=best)(points)
 
 
-class Body:
+class Compared:
     """The mesh that is registered, and what else it may be compared with."""
 
     def __init__(self, n_points: int, skull: str, x: FloatArray) -> None:
@@ -92,7 +93,7 @@ class Body:
         surfaces = phantom.brain, phantom.tumours
         mesh = tetrahedralize(*surfaces, target_points=n_points)
         self.mesh = held(mesh, phantom, HELD_MM)
-        self.registrar = Registrar(self.mesh, MATERIALS, skull=skull)
+        self.registrar = Registrar(Body(self.mesh, MATERIALS), skull=skull)
         self._x, self._locate = x, _sampler(self.mesh, x)
         chosen = np.random.default_rng(0).choice(self.mesh.point_set("fixed"), N_SKULL)
         self._anchors = self.mesh.points[chosen]
@@ -181,7 +182,7 @@ def main() -> None:
     arguments = parser.parse_args()
     truth = Truth(int(1.5 * arguments.points), arguments.skull)
     x = truth.mesh.points
-    body = Body(arguments.points, arguments.assumed or arguments.skull, x)
+    body = Compared(arguments.points, arguments.assumed or arguments.skull, x)
     offset = np.linalg.norm(x - truth.phantom.craniotomy_point, axis=1)
     tumour = truth.mesh.cells[truth.mesh.region == 1]
     where = {

@@ -27,6 +27,7 @@ from physgnn.geometry import (
 from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.surface_points import SurfacePoints
 from physgnn.mechanics import NeoHookean
+from physgnn.mechanics.body import Body
 from physgnn.prediction.skull import ALONG_MM, Support, fixed_support, sliding_support
 from physgnn.prediction.tangent_response import TangentResponse
 
@@ -55,6 +56,12 @@ class Case:
     displacement: FloatArray
 
 
+def _support(body: Body, skull: str) -> Support:
+    if skull == "fixed":
+        return fixed_support(body)
+    return sliding_support(body, along_mm=3.0 * ALONG_MM)
+
+
 class Truth:
     """Simulates shifts of a body that the registration does not know."""
 
@@ -63,22 +70,14 @@ class Truth:
         surfaces = self.phantom.brain, self.phantom.tumours
         mesh = tetrahedralize(*surfaces, target_points=n_points)
         self.mesh = held(mesh, self.phantom, TRUE_HELD_MM)
-        support = self._support(skull)
-        self.tangent = TangentResponse(self.mesh, TRUE_MATERIALS, support, "tet4")
+        body = Body(self.mesh, TRUE_MATERIALS)
+        self.tangent = TangentResponse(body, _support(body, skull))
         surface = boundary_points(self.mesh)
         self.free = np.setdiff1d(surface, self.mesh.point_set("fixed"))
         offset = self.mesh.points[self.free] - self.phantom.craniotomy_point
         self.exposed = self.free[np.linalg.norm(offset, axis=1) < EXPOSED_MM]
         faces = boundary_faces(self.mesh)
         self.faces = faces[np.isin(faces, self.exposed).all(axis=1)]
-
-    def _support(self, skull: str) -> Support:
-        points = self.mesh.point_set("fixed")
-        if skull == "fixed":
-            return fixed_support(self.mesh, TRUE_MATERIALS, points)
-        return sliding_support(
-            self.mesh, TRUE_MATERIALS, points, along_mm=3.0 * ALONG_MM
-        )
 
     def case(self, seed: int) -> Case:
         """Simulate a shift and measure it."""

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.load_paths import equal_levels
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import NeoHookean
@@ -39,4 +40,4 @@ def load_kernels() -> None:
     """Solve one tetrahedron, so that compiled code is there before time counts."""
     one = TetMesh(np.eye(4, 3, k=-1), np.array([[0, 1, 2, 3]]), np.array([0]))
     path = LoadPath([3], [[0.0, 0.0, 1e-4]], equal_levels(2))
-    Solver(one, {0: NeoHookean(3000.0, 0.3)}, np.arange(3)).solve(path)
+    Solver(Body(one, {0: NeoHookean(3000.0, 0.3)}, np.arange(3))).solve(path)

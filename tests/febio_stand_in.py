@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from physgnn.io.febio_model import FebioModel, read_febio
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.solution import Solution, Status
 from physgnn.mechanics.solver import Solver
 
@@ -38,7 +39,7 @@ def write_log(path: Path, model: FebioModel, solution: Solution) -> None:
 def main() -> None:
     model = read_febio(sys.argv[sys.argv.index("-i") + 1])
     assert model.log is not None
-    body = Solver(model.mesh, model.materials, model.fixed)
+    body = Solver(Body(model.mesh, model.materials, model.fixed))
     solution = body.solve(model.load_path)
     write_log(model.log, model, solution)
     if solution.message:

@@ -40,7 +40,7 @@ def test_every_path_is_solved_and_told(new_store: NewStore) -> None:
     assert (store.residual < 1e-3).all()
     assert [step[:2] for step in told] == [(n, 5) for n in range(1, 6)]
     assert told[-1][2] == "load path 4: converged"
-    alone = Solver(store.mesh, store.materials, store.fixed).solve(store.load_path(3))
+    alone = Solver(store.body).solve(store.load_path(3))
     assert np.array_equal(store.displacement(3), alone.displacement.astype("f4"))
 
 
@@ -104,7 +104,7 @@ def test_an_impossible_load_is_recorded(new_store: NewStore) -> None:
 def test_somebody_elses_path_is_left_alone(new_store: NewStore) -> None:
     store = new_store()
     generate(store)
-    solver = Solver(store.mesh, store.materials, store.fixed)
+    solver = Solver(store.body)
     assert solve_and_write(store, solver, 1) == ("already there", "")
 
 

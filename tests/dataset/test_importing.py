@@ -12,6 +12,7 @@ from physgnn.dataset.exporting import export_arrays, export_febio, export_series
 from physgnn.dataset.importing import import_results
 from physgnn.errors import InputError
 from physgnn.io.febio_model import read_febio
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.solver import Solver
 
 NewStore = Callable[..., Store]
@@ -77,7 +78,7 @@ def test_febio(solved: Store, tmp_path: Path) -> None:
 
 def run_stand_in(file: Path) -> None:
     model = read_febio(file)
-    solver = Solver(model.mesh, model.materials, model.fixed)
+    solver = Solver(Body(model.mesh, model.materials, model.fixed))
     assert model.log is not None
     febio_stand_in.write_log(model.log, model, solver.solve(model.load_path))
 

@@ -22,10 +22,10 @@ from physgnn.mechanics import (
     Ogden,
     PrescribedDisplacement,
     Solver,
-    SolverOptions,
     SurfacePressure,
     faces_within,
 )
+from physgnn.mechanics.body import Body
 
 FACTORS = np.array([0.5, 1.0])
 MATERIALS = {
@@ -114,8 +114,7 @@ def test_a_store_of_no_forces_at_all(block: TetMesh, tmp_path: Path) -> None:
 
 def test_answers_are_the_solver_s_and_newton_s(solved: Store, block: TetMesh) -> None:
     assert (solved.status == 0).all()
-    options = SolverOptions(element="tet4-averaged")
-    solver = Solver(block, MATERIALS, options=options)
+    solver = Solver(Body(block, MATERIALS, element="tet4-averaged"))
     for i, path in enumerate(paths_on(block)):
         alone = solver.solve(path).displacement
         np.testing.assert_allclose(solved.displacement(i), alone, atol=2e-4)

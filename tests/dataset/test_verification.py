@@ -32,7 +32,7 @@ def test_solved_levels_are_where_newton_has_them(new_store: NewStore) -> None:
 def test_a_wrong_level_is_found(new_store: NewStore, made_up: Callable[..., Solution]):
     """A shift of every free point by d mm shows as a distance of d."""
     store, shift = new_store(n_paths=1), np.array([0.0, 0.03, 0.04])
-    newton = Newton(store.mesh, store.materials, store.fixed)
+    newton = Newton(store.body)
     exact = np.zeros((store.n_levels, store.mesh.n_points, 3))
     for level in range(store.n_levels):
         start = exact[max(level - 1, 0)]

@@ -5,8 +5,9 @@ import itertools
 import numpy as np
 import torch
 
+from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.mesh_gradient import Stencil, edge_lengths, points_within
+from physgnn.learning.mesh_gradient import Stencil, edge_lengths
 
 
 def test_gradient_of_a_linear_field_is_exact(block: TetMesh) -> None:

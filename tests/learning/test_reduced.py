@@ -11,12 +11,12 @@ from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning import reduced
-from physgnn.learning.load_distance import LoadDistance, farthest
 from physgnn.learning.models import build_model
 from physgnn.learning.reduced import ReducedModel
 from physgnn.learning.training import train as train_model
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.mechanics.body import Body
+from physgnn.mechanics.load_distance import LoadDistance, farthest
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState

@@ -8,6 +8,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import LoadCase, LoadPath, NeoHookean, Status, solve
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.known_states import KnownState
 from physgnn.mechanics.linear_solver import make_linear_solver
@@ -36,7 +37,7 @@ def solved(block):
 
 @pytest.fixture(scope="module")
 def approach(block) -> Approach:
-    return Approach(block, MATERIALS)
+    return Approach(Body(block, MATERIALS))
 
 
 def guesses(states: np.ndarray) -> dict[str, np.ndarray | None]:
@@ -65,7 +66,7 @@ def test_the_guess_does_not_show_in_the_answer(approach, solved, name):
 
 def test_what_converges_is_within_the_tolerance_of_full_newton(block, approach, solved):
     case, states = solved
-    newton = Newton(block, MATERIALS)
+    newton = Newton(Body(block, MATERIALS))
     for tolerance_mm in (1e-1, 1e-2, 1e-4):
         found = approach.solve(case, states[4], tolerance_mm=tolerance_mm)
         exact = newton.solve(case, found.displacement)
@@ -76,10 +77,9 @@ def test_what_converges_is_within_the_tolerance_of_full_newton(block, approach, 
 
 def test_known_states_do_not_change_the_answer(block, solved):
     case, states = solved
-    elements = make_elements(block, MATERIALS)
-    pattern = make_pattern(block.cells, block.n_points, block.point_set("fixed"))
-    known = KnownState.of(elements, pattern, states[4])
-    approach = Approach(block, MATERIALS, known=lambda _: known)
+    body = Body(block, MATERIALS)
+    known = KnownState.of(body, states[4])
+    approach = Approach(body, known=lambda _: known)
     wild = states[4] + np.random.default_rng(1).normal(size=states[4].shape)
     found = approach.solve(case, wild, tolerance_mm=TOLERANCE_MM)
     assert found.status == Status.CONVERGED
@@ -129,7 +129,7 @@ def test_of_two_equilibria_the_load_reaches_the_one_followed_to():
     force = 0.15 * np.array([[0.552, -0.006, -0.834]])
     path = LoadPath(np.array([64]), force, np.arange(1, 31) / 30)
     states = solve(mesh, path, materials=materials).displacement
-    approach = Approach(mesh, materials)
+    approach = Approach(Body(mesh, materials))
     misled = approach.solve(path.case(26), states[-1], tolerance_mm=TOLERANCE_MM)
     assert misled.status == Status.CONVERGED, "a stable equilibrium, but another one"
     assert np.linalg.norm(misled.displacement - states[26], axis=1).max() > 5.0
@@ -148,7 +148,7 @@ def test_the_last_try_reaches_what_the_solver_reaches_and_nothing_else():
     """Loads near snap-throughs, where short steps and a tight tolerance decide."""
     mesh, rng = block_mesh(4), np.random.default_rng(1)
     materials = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
-    approach = Approach(mesh, materials)
+    approach = Approach(Body(mesh, materials))
     snaps = 0
     for node in rng.choice(mesh.point_set("loaded"), 12, replace=False):
         direction = rng.normal(size=3)

@@ -45,7 +45,7 @@ def test_elements_and_pattern_are_made_once_and_are_those_of_the_parts(
     for held in (np.empty(0, dtype=np.int64), block.point_set("loaded")):
         still = np.union1d(body.fixed, held)
         expected = make_pattern(block.cells, block.n_points, still, elements.averaging)
-        found = body.pattern_without(held)
+        found = body.pattern_holding(still)
         for name in ("free", "indptr", "indices", "slot", "group_slot"):
             np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
 

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physgnn.mechanics import NeoHookean, Solver, SolverOptions
+from physgnn.mechanics import NeoHookean, Solver
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.newton import Newton
 
 FILE = Path(__file__).parents[2] / "benchmarks" / "elements.py"
@@ -70,10 +71,10 @@ def test_strong_bending_near_incompressibility_is_followed_to_its_end():
     """Steps overshoot by far; not shortened, they took 192 factorisations."""
     mesh, path = elements.cook_path(8, 0.02)
     material, element = {0: NeoHookean(3000.0, 0.4999)}, "tet4-averaged"
-    options = SolverOptions(element=element)
-    solution = Solver(mesh, material, options=options).solve(path)
+    body = Body(mesh, material, element=element)
+    solution = Solver(body).solve(path)
     assert solution.converged, solution.message
     assert solution.counts["factorisations"] < 100
     assert np.linalg.norm(solution.displacement[-1], axis=1).max() > 0.3 * 48
-    exact = Newton(mesh, material, element=element)
+    exact = Newton(body)
     assert exact.distance(path, solution.displacement[-1]) < 1e-3

@@ -10,6 +10,8 @@ from physgnn.mechanics.assembly import assemble_tangent, make_pattern
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.linear_solver import (
+    _FACTORISATION,
+    PardisoSolver,
     SuperLUSolver,
     make_linear_solver,
 )
@@ -48,6 +50,17 @@ def test_solvers_agree_with_dense_algebra(system, make, tolerance):
     assert solver.factorize(2 * data), "the analysis serves again"
     half = solver.solve(right[0])
     np.testing.assert_allclose(half, expected[0] / 2, atol=tolerance * scale)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("storable", [False, True])
+def test_factors_are_two_level_unless_they_are_to_be_stored(system, threads, storable):
+    """A setting that was made and then overwritten for one thread, unnoticed."""
+    pattern, _, _ = system
+    solver = make_linear_solver(pattern, threads=threads, storable=storable)
+    if not isinstance(solver, PardisoSolver):
+        pytest.skip("a setting of MKL Pardiso")
+    assert solver._iparm[_FACTORISATION] == (0 if storable else 1)  # oneMKL reference
 
 
 @pytest.mark.parametrize("make", [make_linear_solver, SuperLUSolver])

@@ -16,6 +16,7 @@ from physgnn.mechanics import (
     faces_within,
     solve,
 )
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.loading import Loading
 
@@ -35,8 +36,8 @@ def test_prescribing_an_affine_boundary_makes_the_whole_body_affine(element):
     path = LoadPath.of(
         np.array([0.5, 1.0]), PrescribedDisplacement(moved, target[moved])
     )
-    options = SolverOptions(element=element, **TIGHT)
-    solution = solve(mesh, path, materials=MATERIALS, options=options)
+    body = Body(mesh, MATERIALS, element=element)
+    solution = Solver(body, options=SolverOptions(**TIGHT)).solve(path)
     assert solution.converged and solution.residual.max() < 1e-7
     np.testing.assert_allclose(solution.displacement[-1], target, atol=1e-7)
     np.testing.assert_allclose(solution.displacement[0], target / 2, atol=1e-7)
@@ -47,7 +48,7 @@ def test_pushed_points_arrive_and_react(block):
     node = block.point_set("loaded")[5:6]
     push = PrescribedDisplacement(node, np.array([[0.2, 0.0, -0.5]]))
     options = SolverOptions(**TIGHT)
-    solver = Solver(block, MATERIALS, options=options)
+    solver = Solver(Body(block, MATERIALS), options=options)
     u = solver.solve(LoadPath.of(ONE, push)).displacement[-1]
     np.testing.assert_array_equal(u[node], push.displacement)
     needed = internal_force(make_elements(block, MATERIALS), u)[0][node]
@@ -73,10 +74,10 @@ def all_loads(mesh):
 @pytest.mark.parametrize("element", ["tet4", "tet4-averaged"])
 def test_all_loads_together_are_in_equilibrium(block, element):
     path = all_loads(block)
-    options = SolverOptions(element=element, **TIGHT)
-    solution = solve(block, path, materials=MATERIALS, options=options)
+    body = Body(block, MATERIALS, element=element)
+    solution = Solver(body, options=SolverOptions(**TIGHT)).solve(path)
     assert solution.converged and solution.residual.max() < 1e-7
-    elements = make_elements(block, MATERIALS, element)
+    elements = body.elements
     loading = Loading(block, path, block.point_set("fixed"))
     held = np.union1d(block.point_set("fixed"), loading.held)
     free = np.setdiff1d(np.arange(block.n_points), held)
@@ -105,7 +106,7 @@ def test_forces_of_all_loads_add_up(block):
 
 
 def test_a_solver_forgets_the_points_of_the_path_before(block):
-    solver = Solver(block, MATERIALS, options=SolverOptions(**TIGHT))
+    solver = Solver(Body(block, MATERIALS), options=SolverOptions(**TIGHT))
     top = block.point_set("loaded")
     dead = LoadPath(top[:1], np.array([[0.0, 0.0, -2e-3]]), ONE)
     before = solver.solve(dead).displacement

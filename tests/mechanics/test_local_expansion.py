@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 
 from meshes import block_mesh
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.assembly import make_pattern
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.linear_solver import make_linear_solver
@@ -37,10 +36,8 @@ def expansion(
     mesh: TetMesh, points: NDArray[np.int64], state: FloatArray | None = None
 ) -> LocalExpansion:
     state = np.zeros_like(mesh.points) if state is None else state
-    pattern = make_pattern(mesh.cells, mesh.n_points, mesh.point_set("fixed"))
-    linear = make_linear_solver(pattern)
-    elements = make_elements(mesh, MATERIALS)
-    return LocalExpansion(elements, pattern, state, points, linear)
+    body = Body(mesh, MATERIALS)
+    return LocalExpansion(body, state, points, make_linear_solver(body.pattern))
 
 
 def around(mesh: TetMesh, node: int, radius: float) -> NDArray[np.int64]:

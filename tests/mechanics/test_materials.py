@@ -1,5 +1,7 @@
 """Every law: derivatives by finite differences, objectivity, closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,6 +10,8 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.element import internal_force, make_elements, strain_energy
 from physgnn.mechanics.materials import (
     TISSUES,
     MooneyRivlin,
@@ -29,6 +33,9 @@ MATERIALS = [
     Ogden((1684.0,), (-4.7,), 41_841.0),
     Ogden((800.0, -150.0, 90.0), (2.0, -2.0, 9.5), 5_000.0),
 ]
+CELL = TetMesh(
+    [[0.0, 0, 0], [2, 0, 0], [0, 3, 0], [1, 1, 4]], [[0, 1, 2, 3]], np.zeros(1)
+)
 
 
 def energy(material, F):
@@ -269,3 +276,87 @@ def test_config_round_trip(material):
 def test_a_wrong_material_is_refused(values, message):
     with pytest.raises(InputError, match=message):
         material_from_config(values)
+
+
+# An example of every row, and its energy written down once more without the table.
+def _neo_hookean(m, F):
+    J = np.linalg.det(F)
+    return m.mu / 2 * ((F**2).sum() - 3) - m.mu * np.log(J) + m.lam / 2 * np.log(J) ** 2
+
+
+def _mooney_rivlin(m, F):
+    J, C = np.linalg.det(F), F.T @ F
+    first, second = np.trace(C), (np.trace(C) ** 2 - np.trace(C @ C)) / 2
+    k, c1, c2 = 1e-6 * np.array([m.bulk_modulus_pa, m.c1_pa, m.c2_pa])
+    return (
+        c1 * (first * J ** (-2 / 3) - 3)
+        + c2 * (second * J ** (-4 / 3) - 3)
+        + k / 2 * np.log(J) ** 2
+    )
+
+
+def _ogden(m, F):
+    J = np.linalg.det(F)
+    stretches = np.linalg.svd(F, compute_uv=False) * J ** (-1 / 3)
+    terms = zip(m.coefficients_pa, m.exponents, strict=True)
+    return 1e-6 * (
+        sum(c / n**2 * ((stretches**n).sum() - 3) for c, n in terms)
+        + m.bulk_modulus_pa / 2 * np.log(J) ** 2
+    )
+
+
+OWN_ENERGY = {
+    NeoHookean: _neo_hookean,
+    MooneyRivlin: _mooney_rivlin,
+    Ogden: _ogden,
+}
+
+
+@pytest.mark.parametrize("law", table.LAWS.values(), ids=list(table.LAWS))
+def test_every_row_computes_its_own_law(law):
+    """A row without a branch, or with another row's, was computed as Ogden before."""
+    examples = [material for material in MATERIALS if type(material) is law]
+    assert examples and law in OWN_ENERGY, f"add {law.__name__} to these tests"
+    for material in examples:
+        for seed in range(20):
+            F = deformation(seed)
+            expected = OWN_ENERGY[law](material, F)
+            assert energy(material, F) == pytest.approx(expected, rel=1e-10)
+            assembled = strain_energy(make_elements(CELL, {0: material}), stretch(F))
+            assert assembled == pytest.approx(expected * CELL.cell_volumes[0])
+
+
+def stretch(F):
+    """The displacement that deforms the one cell by F."""
+    return CELL.points @ (F - np.eye(3)).T
+
+
+def test_a_law_that_is_in_no_table_is_refused():
+    class Unknown(NeoHookean):
+        law = "unknown"
+
+    with pytest.raises(InputError, match="'unknown' is not in the table"):
+        make_elements(CELL, {0: Unknown(3000.0, 0.3)})
+
+
+@pytest.mark.parametrize("kernel", ["energy", "stress", "tangent"])
+def test_a_row_without_a_branch_is_an_error(kernel):
+    missing = len(table.LAWS)
+    F, c = np.eye(3), np.ones(8)
+    arguments = {
+        "energy": (missing, F, 1.0, c),
+        "stress": (missing, F, F, 1.0, c, np.empty((3, 3))),
+        "tangent": (missing, F, F, 1.0, c, np.empty((3, 3, 3, 3))),
+    }[kernel]
+    with pytest.raises(ValueError, match="has no branch"):
+        getattr(table, kernel)(*arguments)
+
+
+def test_the_kernels_refuse_a_law_without_a_branch():
+    """As one cell among others, whose laws have branches."""
+    elements = make_elements(CELL, {0: MATERIALS[0]})
+    elements = replace(elements, law=np.array([len(table.LAWS)]))
+    rest = np.zeros_like(CELL.points)
+    for kernel in (strain_energy, internal_force):
+        with pytest.raises(ValueError, match="has no branch"):
+            kernel(elements, rest)

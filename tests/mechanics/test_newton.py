@@ -9,13 +9,14 @@ from physgnn.mechanics import (
     LoadPath,
     NeoHookean,
     PrescribedDisplacement,
-    SolverOptions,
     SurfacePressure,
     faces_within,
     solve,
 )
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import internal_force, make_elements
 from physgnn.mechanics.newton import Newton
+from physgnn.mechanics.solver import Solver
 
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
 
@@ -27,7 +28,7 @@ def case(block):
 
 
 def test_newton_reaches_equilibrium_to_rounding(block, case):
-    u = Newton(block, MATERIALS).solve(case, np.zeros_like(block.points))
+    u = Newton(Body(block, MATERIALS)).solve(case, np.zeros_like(block.points))
     force, _ = internal_force(make_elements(block, MATERIALS), u)
     load = case.on_points(block.n_points)
     free = np.setdiff1d(np.arange(block.n_points), block.point_set("fixed"))
@@ -35,7 +36,7 @@ def test_newton_reaches_equilibrium_to_rounding(block, case):
 
 
 def test_distance_finds_a_planted_error_and_clears_the_path_solver(block, case):
-    newton = Newton(block, MATERIALS)
+    newton = Newton(Body(block, MATERIALS))
     path = LoadPath(case.nodes, case.forces, np.array([0.5, 1.0]))
     u = solve(block, path, materials=MATERIALS).displacement[-1]
     assert newton.distance(case, u) < 1e-4
@@ -47,9 +48,8 @@ def test_distance_finds_a_planted_error_and_clears_the_path_solver(block, case):
 def test_no_equilibrium_is_an_infinite_distance(block):
     node = block.point_set("loaded")[5]
     case = LoadCase(np.array([node]), np.array([[0.0, 0.0, -5.0]]))
-    assert Newton(block, MATERIALS).distance(case, np.zeros_like(block.points)) == (
-        np.inf
-    )
+    newton = Newton(Body(block, MATERIALS))
+    assert newton.distance(case, np.zeros_like(block.points)) == (np.inf)
 
 
 @pytest.mark.parametrize("element", ["tet4", "tet4-averaged"])
@@ -62,9 +62,9 @@ def test_all_loads_on_either_element(block, case, element):
         PrescribedDisplacement(top[[0, 7]], np.array([[0, 0, -0.3], [0.1, 0, -0.2]])),
     )
     path = LoadPath(case.nodes[[5]], case.forces[[5]], np.array([0.5, 1.0]), more)
-    options = SolverOptions(element=element)
-    found = solve(block, path, materials=MATERIALS, options=options).displacement
-    newton = Newton(block, MATERIALS, element=element)
+    body = Body(block, MATERIALS, element=element)
+    found = Solver(body).solve(path).displacement
+    newton = Newton(body)
     assert newton.distance(path, found[0], 0.5) < 1e-4
     assert newton.distance(path, found[1]) < 1e-4
     exact = newton.solve(path, found[1])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from physgnn.mechanics import LoadPath, NeoHookean, Solver, SolverOptions, Status
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.newton import Newton
 from physgnn.mechanics.quasi_newton import OVERSHOT, dot
@@ -20,7 +21,7 @@ def path(block):
 
 @pytest.fixture
 def iteration(block, path):
-    solver = Solver(block, MATERIALS)
+    solver = Solver(Body(block, MATERIALS))
     iteration = solver._iteration(Loading(block, path, block.point_set("fixed")))
     assert iteration.refactorize(np.zeros(iteration.pattern.n_unknowns), 0.0)
     return iteration
@@ -42,8 +43,8 @@ def test_converged_means_within_the_tolerance(block, path, tolerance_mm):
     factors = np.arange(1, 6) / 5
     levels = LoadPath(path.nodes, path.forces, factors)
     options = SolverOptions(tolerance_mm=tolerance_mm)
-    solution = Solver(block, MATERIALS, options=options).solve(levels)
+    solution = Solver(Body(block, MATERIALS), options=options).solve(levels)
     assert (solution.status == Status.CONVERGED).all()
-    newton = Newton(block, MATERIALS)
+    newton = Newton(Body(block, MATERIALS))
     for factor, u in zip(factors, solution.displacement, strict=True):
         assert newton.distance(levels, u, factor) < tolerance_mm

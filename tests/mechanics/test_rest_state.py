@@ -22,7 +22,8 @@ def test_only_a_large_bodys_factor_is_kept(
     force = np.random.default_rng(0).standard_normal(block.points.shape)
     expected = RestState(Body(block, MATERIALS)).solve(force)
     for _ in range(2):  # made, then read
-        np.testing.assert_array_equal(RestState(body).solve(force), expected)
+        found = RestState(body).solve(force)
+        np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
     if not isinstance(RestState(body)._solver, PardisoSolver):
         pytest.skip("only MKL Pardiso writes its factors")
     assert len(list(beside.glob(f"*/{FACTOR_FILE}"))) == large

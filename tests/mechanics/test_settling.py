@@ -3,17 +3,16 @@
 import numpy as np
 import pytest
 
+from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.mesh_gradient import points_within
-from physgnn.mechanics.assembly import Pattern, make_pattern
-from physgnn.mechanics.element import Elements, make_elements
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.settling import settle
 from physgnn.mechanics.solver import SolverOptions, solve
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
-Solved = tuple[Elements, Pattern, LoadCase, np.ndarray]
+Solved = tuple[Body, LoadCase, np.ndarray]
 
 
 @pytest.fixture
@@ -23,21 +22,19 @@ def solved(block: TetMesh) -> Solved:
     path = LoadPath(case.nodes, case.forces, np.array([1.0]))
     options = SolverOptions(tolerance_mm=1e-8)
     answer = solve(block, path, materials=MATERIALS, options=options)
-    fixed = block.point_set("fixed")
-    pattern = make_pattern(block.cells, block.n_points, fixed)
-    return make_elements(block, MATERIALS), pattern, case, answer.displacement[0]
+    return Body(block, MATERIALS), case, answer.displacement[0]
 
 
 @pytest.mark.parametrize("reach", [1, 2])
 def test_a_patch_finds_equilibrium_from_its_neighbours_alone(
     block: TetMesh, solved: Solved, reach: int
 ) -> None:
-    elements, pattern, case, truth = solved
+    body, case, truth = solved
     points = np.flatnonzero(points_within(block, case.nodes, reach))
     guess = truth.copy()
     guess[case.nodes] = 1e3  # the answer does not depend on what is inside
     force = case.on_points(block.n_points)
-    settled = settle(elements, pattern, points, guess, force)
+    settled = settle(body, points, guess, force)
     assert settled is not None
     np.testing.assert_allclose(settled, truth, atol=1e-5)
 
@@ -45,10 +42,10 @@ def test_a_patch_finds_equilibrium_from_its_neighbours_alone(
 def test_no_force_and_neighbours_at_rest_give_rest(
     block: TetMesh, solved: Solved
 ) -> None:
-    elements, pattern, case, _ = solved
+    body, case, _ = solved
     points = np.flatnonzero(points_within(block, case.nodes, 2))
     rest = np.zeros_like(block.points)
-    settled = settle(elements, pattern, points, rest, rest)
+    settled = settle(body, points, rest, rest)
     assert settled is not None
     np.testing.assert_allclose(settled, 0.0, atol=1e-9)
 
@@ -56,8 +53,8 @@ def test_no_force_and_neighbours_at_rest_give_rest(
 def test_neighbours_turned_inside_out_have_no_answer(
     block: TetMesh, solved: Solved
 ) -> None:
-    elements, pattern, case, truth = solved
+    body, case, truth = solved
     points = np.flatnonzero(points_within(block, case.nodes, 1))
     mirrored = truth - 2.0 * block.points * np.array([1.0, 0.0, 0.0])
     force = case.on_points(block.n_points)
-    assert settle(elements, pattern, points, mirrored, force) is None
+    assert settle(body, points, mirrored, force) is None

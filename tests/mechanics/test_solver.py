@@ -115,7 +115,7 @@ def test_one_and_two_threads_agree(block, pulled):
 
 def test_a_solver_serves_many_paths(block, pulled):
     path, solution = pulled
-    solver = Solver(block, MATERIALS, options=TIGHT)
+    solver = Solver(Body(block, MATERIALS), options=TIGHT)
     solver.solve(pull(block, 0.1))
     again = solver.solve(path)
     np.testing.assert_array_equal(again.displacement, solution.displacement)
@@ -206,7 +206,7 @@ def test_a_path_that_turns_back_falls_to_the_next_stable_equilibrium():
     assert solution.message.startswith("snapped through at load factor 0.9")
     moved = np.linalg.norm(np.diff(solution.displacement, axis=0), axis=2).max(axis=1)
     assert moved[26] > 5 * moved[25], "between levels 27 and 28"
-    newton, elements = Newton(mesh, MATERIALS), make_elements(mesh, MATERIALS)
+    newton, elements = Newton(Body(mesh, MATERIALS)), make_elements(mesh, MATERIALS)
     pattern = make_pattern(mesh.cells, mesh.n_points, mesh.point_set("fixed"))
     for level in (26, 27, 29):
         found = solution.displacement[level]

@@ -39,7 +39,7 @@ def body() -> TetMesh:
 
 @pytest.fixture(scope="module")
 def registrar(body: TetMesh) -> Registrar:
-    return Registrar(body, MATERIALS)
+    return Registrar(Body(body, MATERIALS))
 
 
 def true_shift(mesh: TetMesh, seed: int, size_mm: float) -> NDArray[np.float64]:
@@ -54,7 +54,7 @@ def true_shift(mesh: TetMesh, seed: int, size_mm: float) -> NDArray[np.float64]:
     forces *= size_mm / np.linalg.norm(rest.solve(forces), axis=1).max()
     loaded = np.setdiff1d(np.arange(mesh.n_points), mesh.point_set("fixed"))
     path = LoadPath(loaded, forces[loaded], np.ones(1))
-    return Solver(mesh, materials).solve(path).displacement[0]
+    return Solver(Body(mesh, materials)).solve(path).displacement[0]
 
 
 def measured(mesh: TetMesh, u: NDArray[np.float64], seed: int) -> PointPairs:
@@ -119,7 +119,7 @@ def test_the_answer_is_the_equilibrium_of_its_forces(
     found = registrar(measured(body, u, 0), noise_mm=NOISE)
     loaded = np.setdiff1d(np.arange(body.n_points), body.point_set("fixed"))
     path = LoadPath(loaded, found.forces[loaded], np.ones(1))
-    again = Solver(body, MATERIALS).solve(path).displacement[0]
+    again = Solver(Body(body, MATERIALS)).solve(path).displacement[0]
     np.testing.assert_allclose(again, found.prediction.displacement, atol=0.02)
 
 
@@ -157,7 +157,7 @@ def test_a_surface_without_correspondence_tells_of_the_depth(
 def test_a_skull_that_lets_slide_is_found_by_the_registration_that_knows(
     body: TetMesh, registrar: Registrar
 ) -> None:
-    sliding = Registrar(body, MATERIALS, skull="sliding")
+    sliding = Registrar(Body(body, MATERIALS), skull="sliding")
     walls = body.point_set("fixed")
     force = np.zeros_like(body.points)
     force[body.point_set("loaded")] = [0.16, 0.0, -0.16]
@@ -184,7 +184,7 @@ def test_wrong_numbers_are_refused(body: TetMesh, registrar: Registrar) -> None:
         with pytest.raises(InputError, match="noise_mm"):
             registrar(pairs, **options)
     with pytest.raises(InputError, match="skull must be one of fixed, sliding"):
-        Registrar(body, MATERIALS, skull="loose")
+        Registrar(Body(body, MATERIALS), skull="loose")
     far = SurfacePoints(np.random.default_rng(0).normal(size=(20, 3)) + 400.0)
     with pytest.raises(InputError, match="from the brain's surface"):
         registrar(far)

@@ -28,7 +28,7 @@ def test_springs_resist_leaving_far_more_than_sliding() -> None:
     floor = mesh.points[:, 2] == 0
     inner = floor & (mesh.points[:, :2] > 0).all(1) & (mesh.points[:, :2] < SIDE).all(1)
     points = np.flatnonzero(inner)
-    support = sliding_support(mesh, MATERIALS, points)
+    support = sliding_support(Body(mesh, MATERIALS, points))
     assert len(support.held) == 0
     mu, area = MATERIALS[0].mu, (SIDE / 4) ** 2
     for spring in support.stiffness:
@@ -42,8 +42,9 @@ def test_the_tangent_is_the_derivative_of_the_force() -> None:
     """A block on a sliding floor: what it answers is what balances the load."""
     mesh = block_mesh(3, side=SIDE)
     floor = np.flatnonzero(mesh.points[:, 2] == 0)
-    support = sliding_support(mesh, MATERIALS, floor)
-    tangent = TangentResponse(mesh, MATERIALS, support, "tet4")
+    body = Body(mesh, MATERIALS, floor)
+    support = sliding_support(body)
+    tangent = TangentResponse(body, support)
     push = np.zeros((1, mesh.n_points, 3), dtype=np.float32)
     push[0, mesh.point_set("loaded"), 0] = 1e-4
     rest = np.zeros_like(mesh.points)
@@ -60,11 +61,12 @@ def test_the_tangent_is_the_derivative_of_the_force() -> None:
 
 def test_a_fixed_skull_is_the_rest_state_solver() -> None:
     mesh = block_mesh(3, side=SIDE)
-    support = fixed_support(mesh, MATERIALS, mesh.point_set("fixed"))
+    body = Body(mesh, MATERIALS)
+    support = fixed_support(body)
     push = np.random.default_rng(0).normal(size=(2, mesh.n_points, 3)) * 1e-3
-    tangent = TangentResponse(mesh, MATERIALS, support, "tet4")
+    tangent = TangentResponse(body, support)
     moved, back = tangent(np.zeros_like(mesh.points), push.astype(np.float32))
-    rest = RestState(Body(mesh, MATERIALS))
+    rest = RestState(body)
     np.testing.assert_allclose(moved, rest.solve(push), atol=1e-4 * np.abs(moved).max())
     assert not back.any()
 
@@ -73,4 +75,4 @@ def test_points_inside_cannot_slide_along_the_skull() -> None:
     mesh = block_mesh(3, side=SIDE)
     inside = (mesh.points > 0).all(axis=1) & (mesh.points < SIDE).all(axis=1)
     with pytest.raises(InputError, match="outer surface"):
-        sliding_support(mesh, MATERIALS, np.flatnonzero(inside))
+        sliding_support(Body(mesh, MATERIALS, np.flatnonzero(inside)))

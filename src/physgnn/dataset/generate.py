@@ -16,7 +16,7 @@ from physgnn.io.febio_run import FebioSolver
 from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.solution import Solution
-from physgnn.mechanics.solver import Solver, SolverOptions
+from physgnn.mechanics.solver import Solver
 from physgnn.progress import Progress
 
 ALREADY_THERE = "already there"
@@ -83,12 +83,11 @@ def generate(
 
 
 def _own_solver(store: Store) -> CanSolve:
-    options = SolverOptions(element=store.element)
-    return Solver(store.mesh, store.materials, store.fixed, options=options)
+    return Solver(store.body)
 
 
 def _febio_solver(store: Store) -> CanSolve:
-    return FebioSolver(store.mesh, store.materials, store.fixed)
+    return FebioSolver(store.body)
 
 
 SOLVERS: Mapping[str, Callable[[Store], CanSolve]] = {

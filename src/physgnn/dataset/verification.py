@@ -120,7 +120,7 @@ def draw_level(store: Store, i: int) -> int:
 
 
 def _newton_of(store: Store) -> Newton:
-    return Newton(store.mesh, store.materials, store.fixed, element=store.element)
+    return Newton(store.body)
 
 
 def _check_and_write(store: Store, newton: Newton, i: int) -> tuple[str, str]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.errors import InputError
-from physgnn.geometry.tetmesh import TetMesh
+from physgnn.geometry.tetmesh import TetMesh, shape_gradients
 
 FloatArray = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ def mean_ratio(mesh: TetMesh) -> FloatArray:
 
 def dihedral_angles(mesh: TetMesh) -> FloatArray:
     """Return the six angles between the faces of every cell, degrees, (n_cells, 6)."""
-    gradients = _barycentric_gradients(mesh)
+    gradients = shape_gradients(mesh.points, mesh.cells)
     unit = gradients / np.linalg.norm(gradients, axis=2, keepdims=True)
     cosines = [-np.einsum("ij,ij->i", unit[:, a], unit[:, b]) for a, b in EDGES]
     angles: FloatArray = np.degrees(np.arccos(np.clip(np.stack(cosines, 1), -1, 1)))
@@ -127,11 +127,3 @@ def _edge_lengths(mesh: TetMesh) -> FloatArray:
     corners = mesh.points[mesh.cells]
     lengths = [np.linalg.norm(corners[:, a] - corners[:, b], axis=1) for a, b in EDGES]
     return np.stack(lengths, axis=1)
-
-
-def _barycentric_gradients(mesh: TetMesh) -> FloatArray:
-    """Gradients of the barycentric coordinates: inward normals of opposite faces."""
-    corners = mesh.points[mesh.cells]
-    inverse = np.linalg.inv(corners[:, 1:] - corners[:, :1])
-    others = np.swapaxes(inverse, 1, 2)
-    return np.concatenate([-others.sum(axis=1, keepdims=True), others], axis=1)

@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,18 @@ from physgnn.errors import InputError
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+
+def shape_gradients(points: FloatArray, cells: NDArray[np.integer[Any]]) -> FloatArray:
+    """Return ∂N_a/∂X of the four corners of cells, (n_cells, 4, 3), 1/mm.
+
+    N_a is linear, one at corner a and zero at the others: ∂N/∂X of the last three are
+    the rows of (x₁ − x₀, x₂ − x₀, x₃ − x₀)⁻¹, edges in columns, and all four add up to
+    nothing.
+    """
+    x = points[cells]
+    last = np.linalg.inv((x[:, 1:] - x[:, :1]).transpose(0, 2, 1))
+    return np.concatenate([-last.sum(axis=1, keepdims=True), last], axis=1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,19 +4,16 @@ import shutil
 import subprocess
 import tempfile
 import time
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physgnn.errors import InputError
-from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio import log_of, write_febio
 from physgnn.io.febio_log import read_febio_log
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadPath
-from physgnn.mechanics.materials import Material
 from physgnn.mechanics.solution import Solution, Status
 
 COMMAND = "febio4"
@@ -28,9 +25,8 @@ class FebioSolver:
 
     Parameters
     ----------
-    mesh : TetMesh
-    materials : mapping of region label to Material
-    fixed : (n_fixed,) integer array
+    body : Body
+        What is loaded; FEBio's own elements take the place of its elements.
 
     Raises
     ------
@@ -38,13 +34,8 @@ class FebioSolver:
         If FEBio is not installed.
     """
 
-    def __init__(
-        self,
-        mesh: TetMesh,
-        materials: Mapping[int, Material],
-        fixed: NDArray[np.int64],
-    ) -> None:
-        self._mesh, self._materials, self._fixed = mesh, materials, fixed
+    def __init__(self, body: Body) -> None:
+        self._body = body
         self._program = find_febio()
 
     def solve(self, path: LoadPath) -> Solution:
@@ -58,8 +49,9 @@ class FebioSolver:
         started = time.perf_counter()
         with tempfile.TemporaryDirectory(prefix="physgnn-febio-") as folder:
             file = Path(folder) / "model.feb"
+            body = self._body
             write_febio(
-                file, self._mesh, path, materials=self._materials, fixed=self._fixed
+                file, body.mesh, path, materials=body.materials, fixed=body.fixed
             )
             printed = self._run(file)
             log = log_of(file)
@@ -67,7 +59,7 @@ class FebioSolver:
                 last = (printed.strip().splitlines() or ["nothing printed"])[-1]
                 raise InputError(f"FEBio ended without a result: {last.strip()}")
             times = np.arange(1.0, path.n_levels + 1)
-            node_ids = np.arange(1, self._mesh.n_points + 1)
+            node_ids = np.arange(1, body.mesh.n_points + 1)
             solution = read_febio_log(log, path, times=times, node_ids=node_ids)
         if INVERTED in printed.lower():
             status = solution.status.copy()

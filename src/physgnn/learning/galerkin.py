@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.learning.mesh_gradient import points_within
-from physgnn.learning.modes import leading_modes
+from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.surrogate import Arrays, FloatArray, IntArray, Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.cell_selection import cell_works, weigh_cells
-from physgnn.mechanics.element import DEFAULT_ELEMENT, make_elements
+from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.galerkin import GalerkinBody
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.modes import leading_modes
 
 MAX_SNAPSHOTS = 600  # for the modes
 MAX_STATES = 24  # for the weights: (modes × states × cells) numbers in memory
@@ -56,7 +56,6 @@ class GalerkinModel(Surrogate):
                 f"(got {modes}, {reach}, {tolerance})"
             )
         self.reach, self.tolerance = reach, tolerance
-        self._elements = make_elements(body.mesh, body.materials)
         n = body.mesh.n_points
         self.near = np.zeros(n, dtype=bool)
         self.modes = np.zeros((modes, n, 3), dtype=np.float32)
@@ -76,7 +75,7 @@ class GalerkinModel(Surrogate):
         )
         touching = near[mesh.cells].any(axis=1)
         works = [
-            _scaled(cell_works(self._elements, u, modes.astype(np.float32)))
+            _scaled(cell_works(self.body.elements, u, modes.astype(np.float32)))
             for u in _states(store, samples, MAX_STATES)
         ]
         weights = np.ones(mesh.n_cells)
@@ -105,7 +104,7 @@ class GalerkinModel(Surrogate):
         """Return the equilibrium in the small space, (n_points, 3), mm."""
         if self._small is None:
             self._small = GalerkinBody(
-                self._elements,
+                self.body.elements,
                 self.weights.astype(np.float64),
                 np.flatnonzero(self.near),
                 self.modes.astype(np.float64),

@@ -1,6 +1,6 @@
 """The lifted network: physics carries a load's answer, a network what is left over.
 
-u = ū + u₁ + u₂ (`physgnn.learning.perturbation`) + ‖u₂‖ · (network + modes). The
+u = ū + u₁ + u₂ (`physgnn.mechanics.perturbation`) + ‖u₂‖ · (network + modes). The
 factor, the mean length of u₂, makes the correction O(load²) or smaller, so that small
 loads get the linear solution, and none nothing. All is computed in the body's own axes,
 so that a body turned with its load has its answer turned.
@@ -16,21 +16,22 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from physgnn.dataset.store import Store
+from physgnn.dataset.training_loads import sample_forces
 from physgnn.errors import InputError
+from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.anchors import mean_load_anchors, sample_forces
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.lifted_network import LiftedNetwork, Patch
-from physgnn.learning.mesh_gradient import points_within
-from physgnn.learning.modes import leading_modes
-from physgnn.learning.near_loads import NearLoads
 from physgnn.learning.network import Network
-from physgnn.learning.perturbation import Perturbation
 from physgnn.learning.surrogate import Surrogate
+from physgnn.mechanics.anchors import mean_load_anchors
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import internal_force, make_elements
+from physgnn.mechanics.element import internal_force
 from physgnn.mechanics.known_states import KnownState, NearestKnown
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.modes import leading_modes
+from physgnn.mechanics.near_loads import NearLoads
+from physgnn.mechanics.perturbation import Perturbation
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -182,10 +183,9 @@ class LiftedModel(Network):
         yield from super().warm_up_cases()
         body = self.body
         free = np.setdiff1d(np.arange(body.mesh.n_points), body.fixed)
-        elements = make_elements(body.mesh, body.materials, body.element)
         states = self.anchor_states.cpu().numpy().astype(np.float64)
         for state in states @ self._axes64:
-            force, inverted = internal_force(elements, state)
+            force, inverted = internal_force(body.elements, state)
             if inverted < 0 and force[free].any():
                 yield LoadCase(free, force[free])
 

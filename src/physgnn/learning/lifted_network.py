@@ -7,8 +7,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from physgnn.geometry.tetmesh import shape_gradients
 from physgnn.learning.graph import as_float32
-from physgnn.learning.mesh_gradient import Stencil, cell_gradients, edge_lengths
+from physgnn.learning.mesh_gradient import Stencil, edge_lengths
 from physgnn.mechanics.body import Body
 
 IntArray = NDArray[np.int64]
@@ -149,7 +150,7 @@ def _shear_modulus(body: Body) -> NDArray[np.float64]:
 def _outward_area(body: Body) -> NDArray[np.float64]:
     """Return ∫ N n dA at each point, mm²: by Gauss, the sum of V ∂N/∂X over cells."""
     mesh = body.mesh
-    parts = cell_gradients(mesh.points, mesh.cells) * mesh.cell_volumes[:, None, None]
+    parts = shape_gradients(mesh.points, mesh.cells) * mesh.cell_volumes[:, None, None]
     area = np.zeros_like(mesh.points)
     np.add.at(area, mesh.cells.ravel(), parts.reshape(-1, 3))
     return area

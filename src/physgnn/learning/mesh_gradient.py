@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.autograd.function import once_differentiable
 
-from physgnn.geometry.tetmesh import TetMesh
+from physgnn.geometry.tetmesh import shape_gradients
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 CellArray = NDArray[np.integer[Any]]
 
 
@@ -76,15 +74,6 @@ class _Product(torch.autograd.Function):
         return None, None, ctx.transposed @ grad.contiguous()
 
 
-def points_within(mesh: TetMesh, start: IntArray, n_steps: int) -> BoolArray:
-    """Return which points are at most so many edges away from some, (n_points,)."""
-    near = np.zeros(mesh.n_points, dtype=np.bool_)
-    near[start] = True
-    for _ in range(n_steps):
-        near[mesh.cells[near[mesh.cells].any(axis=1)]] = True
-    return near
-
-
 def edge_lengths(points: FloatArray, cells: CellArray) -> FloatArray:
     """Return the mean length of the edges at each point, (n_points,) mm."""
     adjacent = _adjacency(cells, len(points)).tocoo()
@@ -93,13 +82,6 @@ def edge_lengths(points: FloatArray, cells: CellArray) -> FloatArray:
     count = np.bincount(adjacent.row, minlength=len(points))
     mean: FloatArray = total / np.maximum(count, 1)
     return mean
-
-
-def cell_gradients(points: FloatArray, cells: CellArray) -> FloatArray:
-    """Return ∂N_a/∂X of every cell's corners, (n_cells, 4, 3), 1/mm."""
-    x = points[cells]
-    inverse = np.linalg.inv((x[:, 1:] - x[:, :1]).transpose(0, 2, 1))
-    return np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
 
 
 def _adjacency(cells: CellArray, n: int) -> sp.csr_array:
@@ -124,7 +106,7 @@ def _gradient(points: FloatArray, cells: CellArray) -> list[sp.csr_array]:
     share = np.bincount(cells.ravel(), np.repeat(volume, 4), minlength=n)
     scale = edge_lengths(points, cells) / np.where(share > 0, share, 1.0)
     row, column = np.repeat(cells, 4, axis=1).ravel(), np.tile(cells, 4).ravel()
-    gradients = cell_gradients(points, cells) * volume[:, None, None]
+    gradients = shape_gradients(points, cells) * volume[:, None, None]
     return [
         sp.diags_array(scale)
         @ sp.coo_array(

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.learning.load_distance import LoadDistance, farthest
-from physgnn.learning.mesh_gradient import points_within
+from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.surrogate import Arrays, FloatArray, IntArray, Surrogate
-from physgnn.mechanics.assembly import make_pattern
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import DEFAULT_ELEMENT, make_elements
+from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.known_states import KnownState, NearestKnown
 from physgnn.mechanics.linear_solver import make_linear_solver
+from physgnn.mechanics.load_distance import LoadDistance, farthest
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.local_expansion import LocalExpansion
 
@@ -81,10 +80,8 @@ class ReducedModel(Surrogate):
             )
         self.together, self.reach = together, reach
         self.reach_from_rest = reach_from_rest
-        self._elements = make_elements(body.mesh, body.materials)
-        self._pattern = make_pattern(body.mesh.cells, body.mesh.n_points, body.fixed)
         threads = torch.get_num_threads()
-        self._linear = make_linear_solver(self._pattern, threads=threads)
+        self._linear = make_linear_solver(body.pattern, threads=threads)
         shape = (anchors, body.mesh.n_points, 3)
         self.states = np.zeros(shape, dtype=np.float32)
         self.loads = np.zeros(shape, dtype=np.float32)
@@ -188,7 +185,7 @@ class ReducedModel(Surrogate):
         return self._known.nearest(force)
 
     def _known_state(self, k: int | None) -> KnownState:
-        return KnownState.of(self._elements, self._pattern, self._displacement(k))
+        return KnownState.of(self.body, self._displacement(k))
 
     def _displacement(self, k: int | None) -> FloatArray:
         """Return an anchor's displacement, or that of the rest state."""
@@ -203,11 +200,7 @@ class ReducedModel(Surrogate):
         loaded = np.array(nodes, dtype=np.int64)
         near = points_within(self.body.mesh, loaded, reach)
         return LocalExpansion(
-            self._elements,
-            self._pattern,
-            self._displacement(k),
-            np.flatnonzero(near),
-            self._linear,
+            self.body, self._displacement(k), np.flatnonzero(near), self._linear
         )
 
 

@@ -6,22 +6,17 @@ for down in energy from it; if it is a guess for a share of the load, the rest o
 followed. Without one, or if there is no equilibrium next to it, all of it is.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.assembly import make_pattern
-from physgnn.mechanics.body import fixed_points
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.descent import descend
-from physgnn.mechanics.element import make_elements
 from physgnn.mechanics.known_states import KnownState, NearestKnown
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadCase, LoadPath
-from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.path_following import PathFollower
 from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton, largest_norm
 from physgnn.mechanics.relaxation import (
@@ -34,7 +29,6 @@ from physgnn.mechanics.solution import Status
 from physgnn.mechanics.solver import SolverOptions
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MAX_ITERATIONS = 20  # a step from a share; what needs more is better halved
 STEPS = 30  # from rest; longer ones may miss where a path turns back
@@ -72,38 +66,27 @@ class Approach:
 
     Parameters
     ----------
-    mesh : TetMesh
-    materials : mapping of region label to Material
-    fixed : str or integer array
+    body : Body
+        What is loaded.
     known : callable, optional
         From a load's forces (n_points, 3), N, to the nearest equilibrium known; by
         default that is the rest state.
-    element : str
-        As in `SolverOptions`.
     threads : int
         Threads of the linear solver.
     """
 
     def __init__(
         self,
-        mesh: TetMesh,
-        materials: Mapping[int, Material],
-        fixed: str | IntArray = "fixed",
+        body: Body,
         *,
         known: NearestKnown | None = None,
-        element: str = "tet4",
         threads: int = 1,
     ) -> None:
-        self._mesh, self._fixed = mesh, fixed_points(mesh, fixed)
-        self._elements = make_elements(mesh, materials, element)
-        self._pattern = make_pattern(
-            mesh.cells, mesh.n_points, self._fixed, self._elements.averaging
-        )
+        self._body, self._pattern = body, body.pattern
         self._linear = make_linear_solver(
-            self._pattern, precision="single", threads=threads
+            body.pattern, precision="single", threads=threads
         )
-        rest = np.zeros((mesh.n_points, 3))
-        at_rest = KnownState.of(self._elements, self._pattern, rest)
+        at_rest = KnownState.of(body, np.zeros_like(body.mesh.points))
         self._known: NearestKnown = known or (lambda _: at_rest)
 
     def relax(self, case: LoadCase, guess: FloatArray) -> Relaxation:
@@ -119,11 +102,11 @@ class Approach:
         iteration = replace(
             self._iteration(case, np.inf), solver=KnownFactor(self._pattern, known)
         )
-        start = self._unknowns(guess)
-        if self._elements.averaging is None:
+        start = self._pattern.unknowns(guess)
+        if self._body.elements.averaging is None:
             iteration = replace(iteration, force=any_state_force)
         else:  # stress is continued in lone cells only
-            end = self._unknowns(known.displacement)
+            end = self._pattern.unknowns(known.displacement)
             start = _without_inverted_cells(iteration, end, start)
         return relax(iteration, start)
 
@@ -153,10 +136,12 @@ class Approach:
             If a loaded node is missing from the mesh or fixed.
         """
         iteration = self._iteration(case, tolerance_mm)
-        known = self._known(share * case.on_points(self._mesh.n_points)).displacement
+        known = self._known(
+            share * case.on_points(self._body.mesh.n_points)
+        ).displacement
         origin, found = "guess" if share == 1.0 else "path", None
         if guess is not None and np.isfinite(guess).all():
-            safe, start = self._unknowns(known), self._unknowns(guess)
+            safe, start = self._pattern.unknowns(known), self._pattern.unknowns(guess)
             start = _without_inverted_cells(iteration, safe, start)
             found = _next_to(iteration, start, safe, share)
             if found is not None and share < 1.0:
@@ -173,16 +158,13 @@ class Approach:
     def _iteration(self, case: LoadCase, tolerance_mm: float) -> QuasiNewton:
         path = LoadPath(case.nodes, case.forces, np.ones(1))
         return QuasiNewton(
-            self._elements,
+            self._body.elements,
             self._pattern,
             self._linear,
-            Loading(self._mesh, path, self._fixed),
+            Loading(self._body.mesh, path, self._body.fixed),
             tolerance_mm,
             MAX_ITERATIONS,
         )
-
-    def _unknowns(self, displacement: FloatArray) -> FloatArray:
-        return displacement[self._pattern.free].ravel()
 
 
 def _without_inverted_cells(

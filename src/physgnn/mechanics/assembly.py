@@ -54,6 +54,16 @@ class Pattern:
         """Number of free degrees of freedom."""
         return 3 * len(self.free)
 
+    def unknowns(self, fields: FloatArray) -> FloatArray:
+        """Return the free components (…, n_unknowns) of fields (…, n_points, 3)."""
+        return fields[..., self.free, :].reshape(*fields.shape[:-2], self.n_unknowns)
+
+    def on_points(self, unknowns: FloatArray) -> FloatArray:
+        """Return fields (…, n_points, 3) of unknowns (…, n_unknowns); zero if held."""
+        fields = np.zeros((*unknowns.shape[:-1], len(self.row), 3))
+        fields[..., self.free, :] = unknowns.reshape(*unknowns.shape[:-1], -1, 3)
+        return fields
+
 
 def make_pattern(
     cells: NDArray[np.int32],

@@ -97,13 +97,12 @@ class Body:
     @cached_property
     def pattern(self) -> Pattern:
         """The tangent's pattern over the free points, made when first asked for."""
-        return self.pattern_without()
+        return self.pattern_holding(self.fixed)
 
-    def pattern_without(self, held: IntArray | None = None) -> Pattern:
-        """Return the tangent's pattern with more points held than the fixed ones."""
-        still = self.fixed if held is None else np.union1d(self.fixed, held)
+    def pattern_holding(self, held: IntArray) -> Pattern:
+        """Return the tangent's pattern with these points held, not the fixed ones."""
         averaging = self.elements.averaging
-        return make_pattern(self.mesh.cells, self.mesh.n_points, still, averaging)
+        return make_pattern(self.mesh.cells, self.mesh.n_points, held, averaging)
 
 
 def _restored(

@@ -12,7 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from physgnn.errors import InputError
-from physgnn.geometry.tetmesh import TetMesh
+from physgnn.geometry.tetmesh import TetMesh, shape_gradients
 from physgnn.mechanics.averaging import (
     Averaging,
     cell_pressures,
@@ -21,7 +21,7 @@ from physgnn.mechanics.averaging import (
 )
 from physgnn.mechanics.kinematics import kinematics, volume_changes
 from physgnn.mechanics.materials import table
-from physgnn.mechanics.materials.table import LAW_INDEX, MAX_CONSTANTS, Material
+from physgnn.mechanics.materials.table import MAX_CONSTANTS, Material, law_index
 
 FloatArray = NDArray[np.float64]
 
@@ -92,16 +92,11 @@ def make_elements(
             f"region {missing[0]} has no material (materials are given for "
             f"{sorted(materials)})"
         )
-    x = mesh.points[mesh.cells]
-    edges = np.stack([x[:, a] - x[:, 0] for a in (1, 2, 3)], axis=-1)
-    gradients = np.empty((mesh.n_cells, 4, 3))
-    gradients[:, 1:] = np.linalg.inv(edges)
-    gradients[:, 0] = -gradients[:, 1:].sum(axis=1)
     law = np.zeros(mesh.n_cells, dtype=np.int64)
     constants = np.zeros((mesh.n_cells, MAX_CONSTANTS))
     for label, material in materials.items():
         inside = mesh.region == label
-        law[inside] = LAW_INDEX[material.law]
+        law[inside] = law_index(material)
         constants[inside, : len(material.constants)] = material.constants
     averaging = None
     if element == "tet4-averaged":
@@ -109,7 +104,7 @@ def make_elements(
         constants[:, 0] = 0.0
     return Elements(
         mesh.cells,
-        gradients,
+        shape_gradients(mesh.points, mesh.cells),
         mesh.cell_volumes,
         law,
         constants,

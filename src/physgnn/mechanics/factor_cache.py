@@ -43,7 +43,8 @@ def factorize_cached(
     Parameters
     ----------
     solver : LinearSolver
-        Only MKL Pardiso can write its factors; others factorise as ever.
+        Only MKL Pardiso can write its factors, and only if it was made to; others
+        factorise as ever.
     pattern, data
         The matrix.
     folder : Path
@@ -56,7 +57,7 @@ def factorize_cached(
     bool
         False if K is not positive definite.
     """
-    if not isinstance(solver, PardisoSolver):
+    if not (isinstance(solver, PardisoSolver) and solver.storable):
         return solver.factorize(data)
     kept = folder / _digest(pattern, data)
     if _whole(kept) and solver.restore(kept, data):

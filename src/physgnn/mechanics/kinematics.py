@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from physgnn.geometry.tetmesh import TetMesh
+from physgnn.geometry.tetmesh import TetMesh, shape_gradients
 
 FloatArray = NDArray[np.float64]
 
@@ -22,11 +22,9 @@ def deformation_gradient(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
     -------
     (n_cells, 3, 3) array
     """
-    x = mesh.points[mesh.cells]
-    current = x + displacement[mesh.cells]
-    reference = np.stack([x[:, a] - x[:, 0] for a in (1, 2, 3)], axis=-1)
-    deformed = np.stack([current[:, a] - current[:, 0] for a in (1, 2, 3)], axis=-1)
-    F: FloatArray = deformed @ np.linalg.inv(reference)
+    current = (mesh.points + displacement)[mesh.cells]
+    deformed = (current[:, 1:] - current[:, :1]).transpose(0, 2, 1)
+    F: FloatArray = deformed @ shape_gradients(mesh.points, mesh.cells)[:, 1:]
     return F
 
 

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.errors import InputError
-from physgnn.mechanics.assembly import Pattern, assemble_tangent
-from physgnn.mechanics.element import Elements
-from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.linear_solver import LinearSolver, factorized
 
 FloatArray = NDArray[np.float64]
 
@@ -30,19 +29,15 @@ class KnownState:
     respond: Callable[[FloatArray], FloatArray]
 
     @classmethod
-    def of(
-        cls, elements: Elements, pattern: Pattern, displacement: FloatArray
-    ) -> "KnownState":
+    def of(cls, body: Body, displacement: FloatArray) -> "KnownState":
         """Return a state that is factorised when its answer is first asked for."""
         solver: LinearSolver | None = None
 
         def respond(force: FloatArray) -> FloatArray:
             nonlocal solver
-            solver = solver or _factorized(elements, pattern, displacement)
-            moved = np.zeros_like(force)
-            free = pattern.free
-            moved[free] = solver.solve(force[free].ravel()).reshape(-1, 3)
-            return moved
+            solver = solver or _factorized(body, displacement)
+            pattern = body.pattern
+            return pattern.on_points(solver.solve(pattern.unknowns(force)))
 
         return cls(displacement, respond)
 
@@ -51,12 +46,9 @@ class KnownState:
 NearestKnown = Callable[[FloatArray], KnownState]
 
 
-def _factorized(
-    elements: Elements, pattern: Pattern, displacement: FloatArray
-) -> LinearSolver:
-    data, inverted = assemble_tangent(elements, pattern, displacement)
-    solver = make_linear_solver(pattern, precision="single")
-    if inverted >= 0 or not solver.factorize(data):
+def _factorized(body: Body, displacement: FloatArray) -> LinearSolver:
+    solver = factorized(body, displacement, precision="single")
+    if solver is None:
         raise InputError(
             "a state known as an equilibrium is not stable: fix at least three points "
             "that are not in line, or train again"

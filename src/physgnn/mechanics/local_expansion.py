@@ -22,8 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.mechanics.assembly import Pattern, assemble_tangent
-from physgnn.mechanics.element import Elements, internal_force
+from physgnn.mechanics.assembly import assemble_tangent
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.element import internal_force
 from physgnn.mechanics.linear_solver import LinearSolver
 from physgnn.mechanics.patch import Patch, cut_out
 from physgnn.mechanics.small_newton import minimise
@@ -58,17 +59,16 @@ class LocalExpansion:
 
     Parameters
     ----------
-    elements : Elements
+    body : Body
         Of linear tetrahedra that are not averaged.
-    pattern : Pattern
-        Of the whole body, made by `make_pattern`.
     state : (n_points, 3) array
         ū, mm. It needn't be in equilibrium, but stable.
     points : integer array
         The patch; forces act only here. Cells with all their points in it are
         nonlinear.
     linear : LinearSolver
-        Of the pattern, in double precision; used while this is made, and no more.
+        Of the body's pattern, in double precision; used while this is made, and no
+        more.
 
     Raises
     ------
@@ -78,20 +78,20 @@ class LocalExpansion:
 
     def __init__(
         self,
-        elements: Elements,
-        pattern: Pattern,
+        body: Body,
         state: FloatArray,
         points: IntArray,
         linear: LinearSolver,
     ) -> None:
+        elements, pattern = body.elements, body.pattern
         data, inverted = assemble_tangent(elements, pattern, state)
         if inverted >= 0 or not linear.factorize(data):
             raise ValueError("the state to expand about is not stable")
-        self._free, self._shape = pattern.free, state.shape
+        self._pattern = pattern
         part, moving, self._dofs = cut_out(elements, pattern, points)
         self._columns, G = _columns(linear, self._dofs, pattern.n_unknowns)
-        self._state = state[pattern.free].ravel()
-        self._load = internal_force(elements, state)[0][pattern.free].ravel()
+        self._state = pattern.unknowns(state)
+        self._load = pattern.unknowns(internal_force(elements, state)[0])
         # What holds ū beside the patch is no part of the load: it is let go.
         elsewhere = self._load.copy()
         elsewhere[self._dofs] = 0.0
@@ -104,15 +104,12 @@ class LocalExpansion:
 
     def __call__(self, force: FloatArray) -> LocalAnswer:
         """Return the answer to a force field (n_points, 3) in N, zero beside D."""
-        f = force[self._free].ravel()[self._dofs]
+        f = self._pattern.unknowns(force)[self._dofs]
         found = minimise(self._patch, f + self._balance, self._start)
         moved = found.x - self._start - self._let_go[self._dofs]
         push = (self._patch.stable @ moved).astype(np.float32)
-        u = np.zeros(self._shape)
-        u[self._free] = (self._state + self._let_go + push @ self._columns).reshape(
-            -1, 3
-        )
-        return LocalAnswer(u, found.converged, found.steps)
+        x = self._state + self._let_go + push @ self._columns
+        return LocalAnswer(self._pattern.on_points(x), found.converged, found.steps)
 
 
 def _columns(

@@ -5,19 +5,15 @@ simple, and exact to rounding: bulk runs check a sample of their levels against 
 and benchmarks race against it.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.assembly import assemble_tangent, make_pattern
-from physgnn.mechanics.body import fixed_points
-from physgnn.mechanics.element import internal_force, make_elements
+from physgnn.mechanics.assembly import assemble_tangent
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.element import internal_force
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadCase, LoadPath
-from physgnn.mechanics.materials.table import Material
 
 FloatArray = NDArray[np.float64]
 
@@ -30,26 +26,14 @@ class Newton:
 
     Parameters
     ----------
-    mesh : TetMesh
-    materials : mapping of region label to Material
-    fixed : str or integer array
+    body : Body
+        What is loaded.
     tolerance_mm : float
         Iteration ends when no point moves further than this.
-    element : str
-        As in `SolverOptions`.
     """
 
-    def __init__(
-        self,
-        mesh: TetMesh,
-        materials: Mapping[int, Material],
-        fixed: str | NDArray[np.int64] = "fixed",
-        *,
-        tolerance_mm: float = 1e-9,
-        element: str = "tet4",
-    ) -> None:
-        self._mesh, self._fixed = mesh, fixed_points(mesh, fixed)
-        self._elements = make_elements(mesh, materials, element)
+    def __init__(self, body: Body, *, tolerance_mm: float = 1e-9) -> None:
+        self._body, self._elements = body, body.elements
         self._hold(np.empty(0, dtype=np.int64))
         self._tolerance_mm = tolerance_mm
         self.factorisations = 0
@@ -81,7 +65,7 @@ class Newton:
         """
         if isinstance(load, LoadCase):
             load = LoadPath(load.nodes, load.forces, np.ones(1))
-        loading = Loading(self._mesh, load, self._fixed)
+        loading = Loading(self._body.mesh, load, self._body.fixed)
         if not np.array_equal(loading.held, self._held):
             self._hold(loading.held)
         u = np.array(start, dtype=np.float64)
@@ -115,12 +99,7 @@ class Newton:
     def _hold(self, held: NDArray[np.int64]) -> None:
         """Leave points out of the unknowns, beside the fixed ones."""
         self._held = held
-        self._pattern = make_pattern(
-            self._mesh.cells,
-            self._mesh.n_points,
-            np.union1d(self._fixed, held),
-            self._elements.averaging,
-        )
+        self._pattern = self._body.pattern_holding(np.union1d(self._body.fixed, held))
         self._linear = make_linear_solver(self._pattern)
 
     def _step(self, u: FloatArray, load: FloatArray) -> FloatArray | None:
@@ -130,9 +109,8 @@ class Newton:
             return None
         self.factorisations += 1
         force, _ = internal_force(self._elements, u)
-        step, free = np.zeros_like(u), self._pattern.free
-        step[free] = self._linear.solve((load - force)[free].ravel()).reshape(-1, 3)
-        return step
+        right = self._pattern.unknowns(load - force)
+        return self._pattern.on_points(self._linear.solve(right))
 
     def _longest(self, u: FloatArray, step: FloatArray) -> float:
         """Return the longest of 1, ½, ¼ … of a step that inverts no cell."""

@@ -70,9 +70,8 @@ class KnownFactor:
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return K⁻¹ b over the free unknowns."""
-        force = np.zeros_like(self.known.displacement)
-        force[self.pattern.free] = right.reshape(-1, 3)
-        return self.known.respond(force)[self.pattern.free].ravel()
+        force = self.pattern.on_points(right)
+        return self.pattern.unknowns(self.known.respond(force))
 
 
 def any_state_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:

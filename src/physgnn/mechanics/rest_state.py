@@ -39,13 +39,14 @@ class RestState:
         self, body: Body, *, threads: int = 1, cache: Path | None = None
     ) -> None:
         self.n_points = body.mesh.n_points
-        pattern = body.pattern
-        self._free = pattern.free
+        self._pattern = pattern = body.pattern
         rest = np.zeros_like(body.mesh.points)
         data, _ = assemble_tangent(body.elements, pattern, rest)
-        self._solver = make_linear_solver(pattern, threads=threads)
         if cache is None and self.n_points >= LARGE:
             cache = body.factors
+        self._solver = make_linear_solver(
+            pattern, threads=threads, storable=cache is not None
+        )
         positive = (
             factorize_cached(self._solver, pattern, data, cache)
             if cache
@@ -72,7 +73,5 @@ class RestState:
         """
         forces = np.asarray(forces, dtype=np.float64)
         cases = forces.reshape(-1, self.n_points, 3)
-        answer = np.zeros_like(cases)
-        right = cases[:, self._free].reshape(len(cases), -1)
-        answer[:, self._free] = self._solver.solve(right).reshape(len(cases), -1, 3)
-        return answer.reshape(forces.shape)
+        solved = self._solver.solve(self._pattern.unknowns(cases))
+        return self._pattern.on_points(solved).reshape(forces.shape)

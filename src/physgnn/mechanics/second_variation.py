@@ -1,7 +1,7 @@
 """How the internal force curves along a direction: d²/ds² f_int(u + s v) at s = 0.
 
 The right-hand side of the second-order term of a perturbation series
-(`physgnn.learning.perturbation`), asked for along many directions from few states.
+(`physgnn.mechanics.perturbation`), asked for along many directions from few states.
 """
 
 import numpy as np

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import Elements, internal_force, strain_energy
 from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
 from physgnn.mechanics.patch import cut_out, some_cells
@@ -25,18 +26,14 @@ SMALL_MM = 1e-6  # displacement that forces are linear in
 
 
 def settle(
-    elements: Elements,
-    pattern: Pattern,
-    points: IntArray,
-    guess: FloatArray,
-    force: FloatArray,
+    body: Body, points: IntArray, guess: FloatArray, force: FloatArray
 ) -> FloatArray | None:
     """Bring some points into equilibrium, all others staying where a guess has them.
 
     Parameters
     ----------
-    elements, pattern : Elements, Pattern
-        Of the whole body; linear tetrahedra that are not averaged.
+    body : Body
+        Of linear tetrahedra that are not averaged.
     points : integer array
         The patch. Those with cells beyond it stay too.
     guess : (n_points, 3) array
@@ -49,8 +46,8 @@ def settle(
     (n_points, 3) array or None
         mm; None if no equilibrium was found.
     """
-    points = np.unique(points)
-    part, free, _ = cut_out(elements, pattern, points)
+    points, elements = np.unique(points), body.elements
+    part, free, _ = cut_out(elements, body.pattern, points)
     inside = np.isin(elements.cells, points)
     touched = elements.cells[inside.any(axis=1) & ~inside.all(axis=1)]
     moving = np.setdiff1d(free, np.flatnonzero(np.isin(points, touched)))

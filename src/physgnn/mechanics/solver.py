@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.assembly import Pattern, make_pattern
-from physgnn.mechanics.body import fixed_points
-from physgnn.mechanics.element import DEFAULT_ELEMENT, checked_element, make_elements
+from physgnn.mechanics.assembly import Pattern
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadPath
@@ -37,16 +37,12 @@ class SolverOptions:
         Smallest step in the load factor before the path is given up.
     threads : int
         Threads of the linear solver.
-    element : str
-        "tet4", linear tetrahedra as published, or "tet4-averaged", which do not lock
-        as ν nears 0.5 (`physgnn.mechanics.averaging`).
     """
 
     tolerance_mm: float = 1e-4
     max_iterations: int = 40
     min_step: float = 1e-3
     threads: int = 1
-    element: str = DEFAULT_ELEMENT
 
     def __post_init__(self) -> None:
         if not self.tolerance_mm > 0 or not 0 < self.min_step < 1:
@@ -54,7 +50,6 @@ class SolverOptions:
                 "tolerance_mm must be > 0 and min_step in (0, 1) "
                 f"(got {self.tolerance_mm}, {self.min_step})"
             )
-        checked_element(self.element)
 
 
 DEFAULT_OPTIONS = SolverOptions()
@@ -75,24 +70,14 @@ class Solver:
 
     Parameters
     ----------
-    mesh : TetMesh
-    materials : mapping of region label to Material
-    fixed : str or integer array
-        Name of a point set, or point indices.
+    body : Body
+        What is loaded.
     options : SolverOptions
+        How tightly and how patiently to solve.
     """
 
-    def __init__(
-        self,
-        mesh: TetMesh,
-        materials: Mapping[int, Material],
-        fixed: str | NDArray[np.int64] = "fixed",
-        *,
-        options: SolverOptions = DEFAULT_OPTIONS,
-    ) -> None:
-        self._mesh, self._options = mesh, options
-        self._fixed = fixed_points(mesh, fixed)
-        self._elements = make_elements(mesh, materials, options.element)
+    def __init__(self, body: Body, *, options: SolverOptions = DEFAULT_OPTIONS) -> None:
+        self._body, self._options = body, options
         self._unknowns = self._find_unknowns(np.empty(0, dtype=np.int64))
 
     def solve(self, path: LoadPath) -> Solution:
@@ -108,14 +93,14 @@ class Solver:
         InputError
             If a loaded node is missing from the mesh or fixed.
         """
-        loading = Loading(self._mesh, path, self._fixed)
+        loading = Loading(self._body.mesh, path, self._body.fixed)
         return _follow(self._iteration(loading), path, self._options.min_step)
 
     def _iteration(self, loading: Loading) -> QuasiNewton:
         if not np.array_equal(self._unknowns.held, loading.held):
             self._unknowns = self._find_unknowns(loading.held)
         return QuasiNewton(
-            self._elements,
+            self._body.elements,
             self._unknowns.pattern,
             self._unknowns.linear,
             loading,
@@ -124,11 +109,11 @@ class Solver:
         )
 
     def _find_unknowns(self, held: NDArray[np.int64]) -> _Unknowns:
-        pattern = make_pattern(
-            self._mesh.cells,
-            self._mesh.n_points,
-            np.union1d(self._fixed, held),
-            self._elements.averaging,
+        body = self._body
+        pattern = (
+            body.pattern_holding(np.union1d(body.fixed, held))
+            if len(held)
+            else body.pattern
         )
         linear = make_linear_solver(
             pattern, precision="single", threads=self._options.threads
@@ -184,6 +169,7 @@ def solve(
     *,
     materials: Mapping[int, Material],
     fixed: str | NDArray[np.int64] = "fixed",
+    element: str = DEFAULT_ELEMENT,
     options: SolverOptions = DEFAULT_OPTIONS,
 ) -> Solution:
     """Find equilibrium along a load path.
@@ -195,6 +181,8 @@ def solve(
     materials : mapping of region label to Material
     fixed : str or integer array
         Name of a point set, or point indices.
+    element : str
+        As in `Body`.
     options : SolverOptions
 
     Returns
@@ -204,6 +192,8 @@ def solve(
     Raises
     ------
     InputError
-        If the load, the materials or the fixed points don't fit the mesh.
+        If the load, the materials or the fixed points don't fit the mesh, or the
+        element is unknown.
     """
-    return Solver(mesh, materials, fixed, options=options).solve(path)
+    body = Body(mesh, materials, fixed, element=element)
+    return Solver(body, options=options).solve(path)

@@ -8,8 +8,8 @@ import numpy as np
 
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
+from physgnn.dataset.training_loads import sample_forces
 from physgnn.learning.adaptation import adapt
-from physgnn.learning.anchors import sample_forces
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.prediction.calibration import (
     COVERAGES,

@@ -24,13 +24,7 @@ class FiniteElementPredictor:
     """
 
     def __init__(self, body: Body, *, threads: int = 1) -> None:
-        self._approach = Approach(
-            body.mesh,
-            body.materials,
-            body.fixed,
-            element=body.element,
-            threads=threads,
-        )
+        self._approach = Approach(body, threads=threads)
 
     def __call__(
         self, load_case: LoadCase, *, tolerance_mm: float | None = None

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from physgnn.errors import InputError
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.continued import continued_force
-from physgnn.mechanics.element import DEFAULT_ELEMENT, make_elements
+from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.rest_state import RestState
 
@@ -42,10 +42,9 @@ def residual_indicator(surrogate: Surrogate) -> Indicator:
     if body.element != DEFAULT_ELEMENT:  # stress is continued in lone cells only
         raise InputError(f"indicator residual knows {DEFAULT_ELEMENT} elements only")
     rest = RestState(body)
-    elements = make_elements(body.mesh, body.materials, body.element)
 
     def residual(case: LoadCase, displacement: FloatArray) -> FloatArray:
-        force, _ = continued_force(elements, displacement)
+        force, _ = continued_force(body.elements, displacement)
         return rest.solve(case.on_points(body.mesh.n_points) - force)
 
     return residual

@@ -226,15 +226,8 @@ class Predictor:
 
     @cached_property
     def _approach(self) -> Approach:
-        body = self.body
-        return Approach(
-            body.mesh,
-            body.materials,
-            body.fixed,
-            known=self.surrogate.reference_states(),
-            element=body.element,
-            threads=torch.get_num_threads(),
-        )
+        known, threads = self.surrogate.reference_states(), torch.get_num_threads()
+        return Approach(self.body, known=known, threads=threads)
 
 
 def _read_if_there(file: Path) -> Calibration | None:

@@ -26,9 +26,7 @@ from numpy.typing import NDArray
 from physgnn.errors import InputError
 from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.surface_points import SurfacePoints
-from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.body import fixed_points
-from physgnn.mechanics.materials.table import Material
+from physgnn.mechanics.body import Body
 from physgnn.prediction.gaussian import Posterior, choose_variances, condition
 from physgnn.prediction.load_modes import load_modes
 from physgnn.prediction.measurement import (
@@ -95,42 +93,27 @@ class Registrar:
 
     Parameters
     ----------
-    mesh : TetMesh
-        The rest state.
-    materials : mapping of region label to Material
-        Only ratios of stiffness matter, since displacements are measured, not forces.
-    fixed : str or integer array
-        Points at the skull.
+    body : Body
+        Its mesh is the rest state, its fixed points are those at the skull. Only ratios
+        of stiffness matter, since displacements are measured, not forces.
     skull : str
-        "fixed" if they are held there, "sliding" if they may move along it (a row of
-        `physgnn.prediction.skull.SUPPORTS`).
-    element : str
-        See `physgnn.mechanics.SolverOptions`.
+        "fixed" if the points at the skull are held there, "sliding" if they may move
+        along it (a row of `physgnn.prediction.skull.SUPPORTS`).
 
     Raises
     ------
     InputError
-        If materials or fixed points do not fit the mesh.
+        If there is no such row, or the fixed points do not hold the body.
     """
 
-    def __init__(
-        self,
-        mesh: TetMesh,
-        materials: Mapping[int, Material],
-        fixed: str | NDArray[np.int64] = "fixed",
-        *,
-        skull: str = "fixed",
-        element: str = "tet4",
-    ) -> None:
+    def __init__(self, body: Body, *, skull: str = "fixed") -> None:
         if skull not in SUPPORTS:
             raise InputError(
                 f"skull must be one of {', '.join(SUPPORTS)} (got '{skull}')"
             )
-        self.mesh, self.skull = mesh, skull
-        self.fixed = fixed_points(mesh, fixed)
-        support = SUPPORTS[skull](mesh, materials, self.fixed)
-        self.tangent = TangentResponse(mesh, materials, support, element)
-        self.modes = load_modes(mesh, self.fixed, self._at_rest)
+        self.body, self.skull = body, skull
+        self.tangent = TangentResponse(body, SUPPORTS[skull](body))
+        self.modes = load_modes(body.mesh, body.fixed, self._at_rest)
 
     def __call__(
         self,
@@ -169,9 +152,9 @@ class Registrar:
             )
         start = time.perf_counter()
         measurement: Measurement = (
-            MeasuredPairs(self.mesh, measured)
+            MeasuredPairs(self.body.mesh, measured)
             if isinstance(measured, PointPairs)
-            else MeasuredSurface(self.mesh, self.fixed, measured)
+            else MeasuredSurface(self.body.mesh, self.body.fixed, measured)
         )
         search = _Search(self, measurement, noise_mm)
         whole = search.linear_step() if linear else search.descend()
@@ -190,7 +173,7 @@ class Registrar:
 
     def _at_rest(self, forces: FloatArray) -> FloatArray:
         """Return what forces (k, n_points, 3) do by linear elasticity, mm."""
-        rest = np.zeros_like(self.mesh.points)
+        rest = np.zeros_like(self.body.mesh.points)
         found = self.tangent(rest, forces.astype(np.float32))
         if found is None:
             raise InputError(
@@ -203,14 +186,17 @@ class Registrar:
 class _Search:
     """One descent from the rest state to the most probable displacement."""
 
-    def __init__(self, body: Registrar, measurement: Measurement, noise: float) -> None:
-        self._body, self._measurement, self._noise = body, measurement, noise
-        self.u = np.zeros_like(body.mesh.points)
-        self.response: Fields = body.modes.response
+    def __init__(
+        self, registrar: Registrar, measurement: Measurement, noise: float
+    ) -> None:
+        self._registrar, self._measurement = registrar, measurement
+        self._noise = noise
+        self.u = np.zeros_like(registrar.body.mesh.points)
+        self.response: Fields = registrar.modes.response
         self._back = np.zeros_like(self.u)
         self._seen, self._matches = measurement.observe(self.u), True
         A, d = _matrix(self._seen, self.response), self._seen.missing
-        self._prior = choose_variances(A, d.ravel(), body.modes.family, noise)
+        self._prior = choose_variances(A, d.ravel(), registrar.modes.family, noise)
         self.posterior: Posterior = condition(A, d, self._prior, noise)
 
     @property
@@ -242,7 +228,7 @@ class _Search:
         """Go along a step, a half, a quarter … of it, to where the body is stable."""
         for halvings in range(MAX_HALVINGS):
             u = self.u + step / 2**halvings
-            found = self._body.tangent(u, self._body.modes.forces)
+            found = self._registrar.tangent(u, self._registrar.modes.forces)
             if found is not None:
                 self._seen = (
                     self._measurement.observe(u)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from physgnn.learning.graph import graph_of
-from physgnn.learning.near_loads import FEW
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.near_loads import FEW
 from physgnn.mechanics.solution import Status
 from physgnn.prediction.prediction import (
     ErrorEstimate,

@@ -20,7 +20,7 @@ from physgnn.geometry.boundary import boundary_faces, boundary_surface
 from physgnn.geometry.normals import area_vectors, vertex_normals
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import Pattern
-from physgnn.mechanics.materials.table import Material
+from physgnn.mechanics.body import Body
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -60,30 +60,19 @@ class Support:
                 data[pattern.indptr[row + i] + j - i] += self.stiffness[:, i, j]
 
 
-def fixed_support(
-    _mesh: TetMesh, _materials: Mapping[int, Material], points: IntArray
-) -> Support:
-    """Hold the points where they are."""
-    return Support(points, np.empty(0, dtype=np.int64), np.empty((0, 3, 3)))
+def fixed_support(body: Body) -> Support:
+    """Hold the fixed points where they are."""
+    return Support(body.fixed, np.empty(0, dtype=np.int64), np.empty((0, 3, 3)))
 
 
-def sliding_support(
-    mesh: TetMesh,
-    materials: Mapping[int, Material],
-    points: IntArray,
-    *,
-    along_mm: float = ALONG_MM,
-) -> Support:
-    """Let the points slide along the brain's surface.
+def sliding_support(body: Body, *, along_mm: float = ALONG_MM) -> Support:
+    """Let the fixed points slide along the brain's surface.
 
     Parameters
     ----------
-    mesh : TetMesh
-        The rest state.
-    materials : mapping of region label to Material
-        Their mean shear modulus scales the springs.
-    points : integer array
-        Points of the outer surface.
+    body : Body
+        Its fixed points are on the outer surface; the mean shear modulus of its
+        materials scales the springs.
     along_mm : float
         Thickness of the layer whose shear stiffness resists sliding, mm.
 
@@ -92,13 +81,14 @@ def sliding_support(
     InputError
         If a point is not on the outer surface.
     """
+    mesh, points = body.mesh, body.fixed
     normals = vertex_normals(boundary_surface(mesh))[points]
     if not normals.any(axis=1).all():
         raise InputError(
             "points that slide along the skull must lie on the outer surface (one of "
             "the point set does not): choose it by a rule of docs/conventions.md"
         )
-    moduli = [materials[int(label)].mu for label in mesh.region]
+    moduli = [body.materials[int(label)].mu for label in mesh.region]
     mu = float(np.average(moduli, weights=mesh.cell_volumes))
     across = normals[:, :, None] * normals[:, None, :]
     springs = across / ACROSS_MM + (np.eye(3) - across) / along_mm
@@ -115,6 +105,7 @@ def point_areas(mesh: TetMesh) -> FloatArray:
     return area
 
 
-SUPPORTS: Mapping[
-    str, Callable[[TetMesh, Mapping[int, Material], IntArray], Support]
-] = {"fixed": fixed_support, "sliding": sliding_support}
+SUPPORTS: Mapping[str, Callable[[Body], Support]] = {
+    "fixed": fixed_support,
+    "sliding": sliding_support,
+}

@@ -1,15 +1,12 @@
 """How a deformed body answers to a little more force: K(u)⁻¹ f."""
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.assembly import assemble_tangent, make_pattern
-from physgnn.mechanics.element import internal_force, make_elements
+from physgnn.mechanics.assembly import assemble_tangent
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.element import internal_force
 from physgnn.mechanics.linear_solver import make_linear_solver
-from physgnn.mechanics.materials.table import Material
 from physgnn.prediction.skull import Support
 
 FloatArray = NDArray[np.float64]
@@ -21,25 +18,15 @@ class TangentResponse:
 
     Parameters
     ----------
-    mesh : TetMesh
-    materials : mapping of region label to Material
+    body : Body
+        What is loaded.
     support : Support
-        How the skull holds it.
-    element : str
-        As in `SolverOptions`.
+        How the skull holds its fixed points.
     """
 
-    def __init__(
-        self,
-        mesh: TetMesh,
-        materials: Mapping[int, Material],
-        support: Support,
-        element: str,
-    ) -> None:
-        self._elements = make_elements(mesh, materials, element)
-        self._pattern = make_pattern(
-            mesh.cells, mesh.n_points, support.held, self._elements.averaging
-        )
+    def __init__(self, body: Body, support: Support) -> None:
+        self._elements = body.elements
+        self._pattern = body.pattern_holding(support.held)
         self._support = support
         # Responses are kept in single precision: so may be their factor.
         self._linear = make_linear_solver(self._pattern, precision="single")
@@ -71,9 +58,6 @@ class TangentResponse:
         self._support.add_tangent(self._pattern, data)
         if not self._linear.factorize(data):
             return None
-        free = self._pattern.free
-        right = np.concatenate([forces[:, free], -inner[None, free]])
-        solved = self._linear.solve(right.reshape(len(right), -1))
-        moved = np.zeros((len(right), *displacement.shape))
-        moved[:, free] = solved.reshape(len(right), -1, 3)
+        right = self._pattern.unknowns(np.concatenate([forces, -inner[None]]))
+        moved = self._pattern.on_points(self._linear.solve(right))
         return moved[:-1].astype(np.float32), moved[-1]

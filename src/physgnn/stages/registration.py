@@ -12,6 +12,7 @@ from physgnn.io.answer_files import Answer, form_of
 from physgnn.io.markups import read_point_pairs
 from physgnn.io.measured_surface import read_surface_points
 from physgnn.io.nifti import read_image
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
 
@@ -55,7 +56,8 @@ def register(
         Standard deviation of each coordinate measured.
     **body
         ``materials`` (by region; by default the tissues of the published work: only
-        ratios of stiffness matter), ``fixed``, ``skull`` and ``element`` of
+        ratios of stiffness matter), ``fixed`` and ``element`` of
+        `physgnn.mechanics.Body`, ``skull`` of
         `physgnn.prediction.registration.Registrar`.
 
     Raises
@@ -75,7 +77,9 @@ def register(
         raise InputError("give --points (and --target), or --surface")
     case = read_mesh(mesh)
     materials = {**DEFAULT_MATERIALS, **body.pop("materials", {})}
-    found = Registrar(case, materials, **body)(measured, noise_mm=noise_mm)
+    skull = {"skull": body.pop("skull")} if "skull" in body else {}
+    registrar = Registrar(Body(case, materials, **body), **skull)
+    found = registrar(measured, noise_mm=noise_mm)
     fields = {
         "displacement_mm": found.prediction.displacement,
         "deviation_mm": found.deviation_mm,

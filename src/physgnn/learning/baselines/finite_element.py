@@ -47,8 +47,7 @@ class FiniteElement(Surrogate):
 
     @cached_property
     def _approach(self) -> Approach:
-        body = self.body
-        return Approach(body.mesh, body.materials, body.fixed, element=body.element)
+        return Approach(self.body)
 
     @classmethod
     def is_meant_for(cls, store: Store, test: IntArray) -> bool:

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from physgnn.dataset.store import Store
-from physgnn.learning.anchors import sample_forces
-from physgnn.learning.modes import leading_modes
+from physgnn.dataset.training_loads import sample_forces
 from physgnn.learning.surrogate import FloatArray, IntArray
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.modes import leading_modes
 
 Rows = NDArray[np.float32]
 

@@ -8,10 +8,10 @@ from physgnn.dataset.store import Store
 from physgnn.learning.classical.estimator import Estimator
 from physgnn.learning.classical.load_features import LoadFeatures, Rows
 from physgnn.learning.classical.row_learner import RowLearner
-from physgnn.learning.modes import leading_modes
 from physgnn.learning.surrogate import Arrays, FloatArray, IntArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.modes import leading_modes
 
 N_SNAPSHOTS = 512  # fields the modes are made of, to bound memory
 

@@ -3,15 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.dataset.store import Store
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solution import Status
-from physgnn.mechanics.solver import Solver, SolverOptions
+from physgnn.mechanics.solver import Solver
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatArray:
@@ -46,9 +44,7 @@ def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatAr
     nodes = np.flatnonzero(mean.any(axis=1))
     steps = np.arange(1, n_anchors + 1) / n_anchors
     path = LoadPath(nodes, largest * mean[nodes], steps)
-    options = SolverOptions(element=body.element)
-    solver = Solver(body.mesh, body.materials, body.fixed, options=options)
-    solution = solver.solve(path)
+    solution = Solver(body).solve(path)
     reached = np.flatnonzero(solution.status == Status.CONVERGED)
     if len(reached) == 0:
         return np.zeros((n_anchors, *mean.shape))
@@ -56,17 +52,3 @@ def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatAr
         np.minimum(np.arange(n_anchors), reached[-1])
     ]
     return found
-
-
-def sample_forces(store: Store, samples: IntArray) -> FloatArray:
-    """Return each path's strongest load among samples, (n_paths, n_points, 3), N."""
-    paths, first = np.unique(samples[:, 0], return_inverse=True)
-    top = np.zeros(len(paths), dtype=np.int64)
-    np.maximum.at(top, first, samples[:, 1])
-    n_points = store.mesh.n_points
-    return np.stack(
-        [
-            store.load_case(int(path), int(level)).on_points(n_points)
-            for path, level in zip(paths, top, strict=True)
-        ]
-    )

@@ -4,15 +4,12 @@ A force on a single point strains the cells round it far beyond what a network h
 one that is spread over a patch does not.
 """
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.learning.mesh_gradient import points_within
-from physgnn.mechanics.assembly import Pattern, make_pattern
+from physgnn.geometry.mesh_topology import points_within
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import DEFAULT_ELEMENT, Elements, make_elements
+from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.settling import settle
 
@@ -36,12 +33,6 @@ class NearLoads:
     def __init__(self, body: Body, reach: int) -> None:
         self._body, self._reach = body, reach
 
-    @cached_property
-    def _parts(self) -> tuple[Elements, Pattern]:
-        mesh, fixed = self._body.mesh, self._body.fixed
-        elements = make_elements(mesh, self._body.materials, self._body.element)
-        return elements, make_pattern(mesh.cells, mesh.n_points, fixed)
-
     def settled(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
         """Return an answer (n_points, 3), mm, with the cells near the load at rest.
 
@@ -55,7 +46,7 @@ class NearLoads:
         # Where an outer cell is turned over, a smaller patch may still do.
         for reach in range(self._reach, min(self._reach, LEAST_REACH) - 1, -1):
             points = np.flatnonzero(points_within(self._body.mesh, loaded, reach))
-            found = settle(*self._parts, points, displacement, force)
+            found = settle(self._body, points, displacement, force)
             if found is not None:
                 return found
         return displacement

@@ -7,14 +7,14 @@ import pytest
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.anchors import mean_load_anchors
-from physgnn.learning.perturbation import Perturbation
+from physgnn.mechanics.anchors import mean_load_anchors
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import ELEMENTS
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.perturbation import Perturbation
 from physgnn.mechanics.rest_state import RestState
-from physgnn.mechanics.solver import SolverOptions, solve
+from physgnn.mechanics.solver import Solver, SolverOptions
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 EXACT = SolverOptions(tolerance_mm=1e-7)
@@ -36,8 +36,7 @@ def force(block: TetMesh) -> np.ndarray:
 def equilibria(body: Body, force: np.ndarray, factors: np.ndarray) -> np.ndarray:
     nodes = np.flatnonzero(force.any(axis=1))
     path = LoadPath(nodes, force[nodes], factors)
-    options = replace(EXACT, element=body.element)
-    solution = solve(body.mesh, path, materials=MATERIALS, options=options)
+    solution = Solver(body, options=EXACT).solve(path)
     assert solution.converged
     return solution.displacement
 

@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.errors import InputError
-from physgnn.learning.point_responses import PointResponses
-from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import Elements, internal_force, make_elements
-from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
+from physgnn.mechanics.element import internal_force
+from physgnn.mechanics.linear_solver import factorized
+from physgnn.mechanics.point_responses import PointResponses
 from physgnn.mechanics.second_variation import SecondVariation
 
 FloatArray = NDArray[np.float64]
@@ -72,20 +71,13 @@ class Perturbation:
     """
 
     def __init__(self, body: Body, anchors: FloatArray, *, threads: int = 1) -> None:
-        elements = make_elements(body.mesh, body.materials, body.element)
-        system = _System(
-            elements,
-            make_pattern(
-                body.mesh.cells, body.mesh.n_points, body.fixed, elements.averaging
-            ),
-            threads,
-        )
         rest = np.zeros((1, *body.mesh.points.shape))
         states = np.concatenate([rest, np.asarray(anchors, dtype=np.float64)])
-        self._loads = np.stack([system.internal(u) for u in states])
-        nodes = _loaded(self._loads[:, system.pattern.free])
+        self._loads = np.stack([_internal(body, u) for u in states])
+        free = body.pattern.free
+        nodes = free[_loaded(self._loads[:, free])]
         self._about = [
-            Equilibrium(system, u, load, system.pattern.free[nodes])
+            ExpansionPoint(body, u, load, nodes, threads=threads)
             for u, load in zip(states, self._loads, strict=True)
         ]
         self._linear = np.stack([self._about[0].solve(load) for load in self._loads])
@@ -104,7 +96,7 @@ class Perturbation:
         work = np.einsum("kni,ni->k", self._linear[:, loaded], force[loaded])
         return int(np.argmin(self._self_work - 2 * work))
 
-    def about(self, force: FloatArray) -> "Equilibrium":
+    def about(self, force: FloatArray) -> "ExpansionPoint":
         """Return the equilibrium that a load is expanded about."""
         return self._about[self.nearest(force)]
 
@@ -121,41 +113,20 @@ class Perturbation:
         return Expansion(about.u, first, about.second(first))
 
 
-@dataclass(frozen=True, eq=False)
-class _System:
-    """What all equilibria of one body share."""
-
-    elements: Elements
-    pattern: Pattern
-    threads: int
-
-    def internal(self, u: FloatArray) -> FloatArray:
-        force, inverted = internal_force(self.elements, u)
-        if inverted >= 0:
-            raise InputError(f"cell {inverted} is inverted in an anchor: train again")
-        return force
-
-    def factorized(self, u: FloatArray) -> LinearSolver:
-        solver = make_linear_solver(
-            self.pattern, precision="single", threads=self.threads
-        )
-        data, _ = assemble_tangent(self.elements, self.pattern, u)
-        if not solver.factorize(data):
-            raise InputError(
-                "the body has no stable equilibrium to expand about: fix at least "
-                "three points that are not in line, or train again"
-            )
-        return solver
-
-
-class Equilibrium:
+class ExpansionPoint:
     """A state to expand about; what that takes is made when first asked for."""
 
     def __init__(
-        self, system: _System, u: FloatArray, load: FloatArray, nodes: IntArray
+        self,
+        body: Body,
+        u: FloatArray,
+        load: FloatArray,
+        nodes: IntArray,
+        *,
+        threads: int,
     ) -> None:
         self.u = u
-        self._system, self._nodes = system, nodes
+        self._body, self._nodes, self._threads = body, nodes, threads
         self._load = np.zeros_like(load)
         self._load[nodes] = load[nodes]
         self._elsewhere = load - self._load  # rounding, if the anchors' loads are alike
@@ -174,8 +145,14 @@ class Equilibrium:
 
     @cached_property
     def _responses(self) -> PointResponses:
-        system = self._system
-        return PointResponses(system.factorized(self.u), system.pattern, self._nodes)
+        body, threads = self._body, self._threads
+        solver = factorized(body, self.u, precision="single", threads=threads)
+        if solver is None:
+            raise InputError(
+                "the body has no stable equilibrium to expand about: fix at least "
+                "three points that are not in line, or train again"
+            )
+        return PointResponses(solver, body.pattern, self._nodes)
 
     @cached_property
     def _offset(self) -> FloatArray:
@@ -184,7 +161,14 @@ class Equilibrium:
     @cached_property
     def curvature(self) -> SecondVariation:
         """How the internal force curves about it."""
-        return SecondVariation(self._system.elements, self.u)
+        return SecondVariation(self._body.elements, self.u)
+
+
+def _internal(body: Body, u: FloatArray) -> FloatArray:
+    force, inverted = internal_force(body.elements, u)
+    if inverted >= 0:
+        raise InputError(f"cell {inverted} is inverted in an anchor: train again")
+    return force
 
 
 def _loaded(loads: FloatArray) -> NDArray[np.bool_]:

@@ -4,26 +4,21 @@ import numpy as np
 import pytest
 
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning import point_responses
-from physgnn.learning.point_responses import PointResponses
-from physgnn.mechanics.assembly import assemble_tangent, make_pattern
+from physgnn.mechanics import point_responses
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import make_elements
-from physgnn.mechanics.linear_solver import make_linear_solver
+from physgnn.mechanics.linear_solver import factorized
 from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.point_responses import PointResponses
 from physgnn.mechanics.rest_state import RestState
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 
 
 def responses(mesh: TetMesh, nodes: np.ndarray) -> PointResponses:
-    fixed = mesh.point_set("fixed")
-    pattern = make_pattern(mesh.cells, mesh.n_points, fixed)
-    elements = make_elements(mesh, MATERIALS)
-    solver = make_linear_solver(pattern, precision="single")
-    data, _ = assemble_tangent(elements, pattern, np.zeros_like(mesh.points))
-    assert solver.factorize(data)
-    return PointResponses(solver, pattern, nodes)
+    body = Body(mesh, MATERIALS)
+    solver = factorized(body, np.zeros_like(mesh.points), precision="single")
+    assert solver is not None
+    return PointResponses(solver, body.pattern, nodes)
 
 
 def random_force(mesh: TetMesh, nodes: np.ndarray) -> np.ndarray:
