@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from physgnn.evaluation import published_tables, tables
+from physgnn.evaluation import published, tables
 from physgnn.evaluation.figures import Picture
 from physgnn.evaluation.formats import duration, mm, percent
 from physgnn.evaluation.result import ModelErrors, Report
@@ -106,8 +106,8 @@ def _sections(page: _Page) -> Iterator[tuple[str, list[str | None]]]:
     yield "Error bounds", _error_bounds(page)
     yield "The worst case", page.pictured("worst_case")
     preset = str(report.facts.get("case", {}).get("preset", ""))
-    published = (published_tables.protocol_table, published_tables.extremes_table)
-    yield "Beside the publication", [page.table(of(report, preset)) for of in published]
+    beside = (published.protocol_table, published.extremes_table)
+    yield "Beside the publication", [page.table(of(report, preset)) for of in beside]
     yield "Time", page.facts("time")
     yield "Where the numbers come from", page.facts("model", "provenance")
 

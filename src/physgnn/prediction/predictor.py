@@ -34,10 +34,7 @@ from physgnn.prediction.prediction import (
     PredictionStatus,
 )
 from physgnn.prediction.repair import (
-    UNSURE_BY,
-    UNSURE_FROM,
-    Start,
-    depth,
+    cautious_error,
     good_enough,
     repair,
     where_to_begin,
@@ -197,12 +194,17 @@ class Predictor:
             bounds = self._quick(load_case, displacement)
         else:
             relaxed = self.relax(load_case, displacement)
-            error = self._estimate(load_case, relaxed)
+            error = cautious_error(self.body, load_case, relaxed)
             bounds, likely = self._physical(load_case, displacement, error)
             if tolerance_mm is not None and not (
                 status.usable and good_enough(bounds, likely, tolerance_mm)
             ):
-                start = self._start(load_case, relaxed.displacement)
+                start = where_to_begin(
+                    self.answer if self._is_sound(load_case) else None,
+                    self.body,
+                    load_case,
+                    relaxed.displacement,
+                )
                 displacement, bounds, status = repair(
                     self._approach, load_case, start, tolerance_mm
                 )
@@ -212,7 +214,8 @@ class Predictor:
 
     def error(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
         """Return the physical estimate of an answer's error, (n_points, 3), mm."""
-        return self._estimate(load_case, self.relax(load_case, displacement))
+        relaxed = self.relax(load_case, displacement)
+        return cautious_error(self.body, load_case, relaxed)
 
     def relax(self, load_case: LoadCase, displacement: FloatArray) -> Relaxation:
         """Take a few steps from an answer towards equilibrium: its error's estimate."""
@@ -232,19 +235,6 @@ class Predictor:
         if self._indicator is None:
             raise InputError("the predictor is not calibrated: train its run again")
         return self._indicator(load_case, displacement)
-
-    def _estimate(self, load_case: LoadCase, relaxed: Relaxation) -> FloatArray:
-        """Return what relaxing tells of an answer's error; more where others lie near.
-
-        It tells how far the nearest equilibrium is, which may not be the one meant.
-        """
-        sure = depth(self.body, load_case, relaxed.displacement) <= UNSURE_FROM
-        return relaxed.error if sure else UNSURE_BY * relaxed.error
-
-    def _start(self, load_case: LoadCase, displacement: FloatArray) -> Start:
-        if not self._is_sound(load_case):
-            return Start(None, 0.0)
-        return where_to_begin(self.answer, self.body, load_case, displacement)
 
     def _quick(
         self, load_case: LoadCase, displacement: FloatArray

@@ -1,4 +1,8 @@
-"""When an answer is good enough, and how one that is not is taken to equilibrium."""
+"""The policy of repairs: how far a displacement is trusted, and what follows if not.
+
+Everything that decides on a repair stands here: how much an estimate of the error is
+enlarged, what is good enough, what a repair begins at, and what its outcome is called.
+"""
 
 from dataclasses import dataclass
 
@@ -8,6 +12,7 @@ from physgnn.learning.interface import Body
 from physgnn.learning.near_loads import FEW
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.relaxation import Relaxation
 from physgnn.mechanics.solution import Status
 from physgnn.prediction.prediction import (
     Answer,
@@ -72,20 +77,33 @@ def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
     return float((way / edges).max(initial=0.0))
 
 
+def cautious_error(body: Body, case: LoadCase, relaxed: Relaxation) -> FloatArray:
+    """Return the physical estimate of the error, (n_points, 3), mm.
+
+    Relaxation measures the distance to the nearest equilibrium. Where others lie near,
+    that may not be the one meant, so the estimate grows by `UNSURE_BY`.
+    """
+    sure = depth(body, case, relaxed.displacement) <= UNSURE_FROM
+    return relaxed.error if sure else UNSURE_BY * relaxed.error
+
+
 def where_to_begin(
-    answer: Answer, body: Body, case: LoadCase, displacement: FloatArray
+    answer: Answer | None, body: Body, case: LoadCase, displacement: FloatArray
 ) -> Start:
     """Return the answer to a load, or to that share of it which still tells its state.
 
     Parameters
     ----------
-    answer : callable
-        Is asked for smaller shares.
+    answer : callable or None
+        Is asked for smaller shares; None if it is not to be trusted, and then the
+        repair begins at rest.
     body : Body
     case : LoadCase
     displacement : (n_points, 3) array
         The answer to the whole load, mm.
     """
+    if answer is None:
+        return Start(None, 0.0)
     share = 1.0
     for _ in range(MAX_TRIES):
         part = LoadCase(case.nodes, share * case.forces)

@@ -138,7 +138,7 @@ def reproduce(what: Reproduction, folder: str | Path, *, show: Show, log: Log) -
 def summary(report: "Report", run: Path, preset: str) -> str:
     """Return our figures beside the published ones, and what they cost, as Markdown."""
     from physgnn.evaluation.formats import duration
-    from physgnn.evaluation.published_tables import extremes_table, protocol_table
+    from physgnn.evaluation.published import extremes_table, protocol_table
 
     model, facts = report.models[-1], report.facts
     spent = json.loads((run / "run.json").read_text())["training"]
