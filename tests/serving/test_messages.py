@@ -51,6 +51,7 @@ def test_a_section_is_read_and_taken_away() -> None:
         ({"answers": ["oracle"]}, "'network'"),
         ({"id": -1}, "id"),
         ({"colour": "red"}, "colour"),
+        ({"field": "oracle"}, "field: Input should be 'displacement' or 'error'"),
     ],
 )
 def test_a_wrong_push_is_one_line_that_says_what_is_wrong(change, says) -> None:

@@ -16,8 +16,6 @@ from physgnn.serving.refine import Refiner
 from physgnn.serving.shown import Shown
 from physgnn.serving.viewed import Viewed
 
-FINITE_ELEMENTS = "finite elements"
-
 WARM_UP = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.4, 1.8)  # of the usual force
 IDLE_SECONDS = 1.0  # warming up gives way to whoever pushes
 

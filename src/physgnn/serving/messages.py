@@ -2,18 +2,35 @@
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+)
+from pydantic_core import PydanticCustomError
 
 from physgnn.errors import InputError
+from physgnn.serving.fields import FIELDS
 
 MAX_BYTES = 4096
 MAX_FORCE_N = 1000.0
 MAX_RADIUS_MM = 200.0
 
+
+def _row_of_fields(name: str) -> str:
+    if name not in FIELDS:
+        known = " or ".join(f"'{field}'" for field in FIELDS)
+        raise PydanticCustomError("field", "Input should be {known}", {"known": known})
+    return name
+
+
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Vector = tuple[Number, Number, Number]
 Answer = Literal["network", "linear"]
-FieldName = Literal["displacement", "error", "volume"]
+FieldName = Annotated[str, AfterValidator(_row_of_fields)]
 Axis = Literal["sagittal", "coronal", "axial"]
 
 
@@ -37,7 +54,7 @@ class Push(_Message):
     answers : list of str
         Which predictors shall answer at once.
     field : str
-        Which scalar comes with the displacement.
+        Which scalar comes with the displacement: a row of `fields.FIELDS`.
     solve : bool
         Whether finite elements shall follow in the background.
     """

@@ -13,10 +13,12 @@ from physgnn.serving.answers import (
     scene_frame,
     section_frame,
 )
-from physgnn.serving.engine import FINITE_ELEMENTS, Engine
+from physgnn.serving.engine import Engine
+from physgnn.serving.fields import SolvedLoad
 from physgnn.serving.messages import Push, Release, Section, read_message
 from physgnn.serving.section import Section as Cut
 from physgnn.serving.section import cut
+from physgnn.serving.viewed import FINITE_ELEMENTS
 
 SendText = Callable[[str], Awaitable[None]]
 SendBytes = Callable[[bytes], Awaitable[None]]
@@ -111,8 +113,8 @@ class Session:
 
         def job() -> tuple[Prediction, bytes]:
             prediction = predict(case)
-            answer = (name, case, prediction)
-            return prediction, answer_frame(self._engine, push, answer, self._cut)
+            solved = SolvedLoad(name, case, prediction)
+            return prediction, answer_frame(self._engine, push, solved, self._cut)
 
         prediction, frame = await self._engine.work(job)
         if name == push.answers[0]:
@@ -125,9 +127,9 @@ class Session:
             await asyncio.sleep(REST_SECONDS)
             await self._send_text(json.dumps({"kind": "solving", "id": push.id}))
             prediction = await self._engine.solve(case)
-            answer = (FINITE_ELEMENTS, case, prediction)
+            solved = SolvedLoad(FINITE_ELEMENTS, case, prediction)
             frame = await self._engine.work(
-                lambda: answer_frame(self._engine, push, answer, self._cut)
+                lambda: answer_frame(self._engine, push, solved, self._cut)
             )
         except InputError as error:
             await self._say(error, push)
