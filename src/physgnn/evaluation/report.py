@@ -15,7 +15,7 @@ from physgnn.evaluation.formats import duration, mm, percent
 from physgnn.evaluation.result import ModelErrors, Report
 from physgnn.evaluation.style import colour, label
 from physgnn.evaluation.tables import Table, group_label
-from physgnn.io.atomic import whole_file
+from physgnn.io.atomic import write_whole
 from physgnn.prediction.prediction import PredictionStatus
 
 SPLIT_TITLE = {
@@ -54,8 +54,7 @@ def write_report(report: Report, pictures: Iterable[Picture], path: Path) -> Non
     path : path
         The file.
     """
-    with whole_file(path) as part:
-        part.write_text(report_html(report, pictures), "utf-8")
+    write_whole(path, report_html(report, pictures))
 
 
 def report_html(report: Report, pictures: Iterable[Picture]) -> str:
