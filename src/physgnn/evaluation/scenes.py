@@ -8,13 +8,13 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from physgnn.evaluation.style import BRAIN, FIXED, LOADED, TUMOUR
+from physgnn.geometry import regions
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads import LoadCase
 
 FloatArray = NDArray[np.float64]
 Image = NDArray[np.uint8]
 
-TUMOUR_REGION = 1
 SIZE = (1200, 1100)  # pixels
 ARROW_SHARE = 0.18  # longest force arrow over the size of the body, one arrow alone
 
@@ -74,7 +74,11 @@ def render_cut(mesh: TetMesh, view: View) -> Image:
     half = grid(mesh).clip(
         normal=view.cut_normal, origin=_middle(mesh, mesh.points), crinkle=True
     )
-    for region, paint in ((0, BRAIN), (1, TUMOUR), (2, FIXED)):
+    for region, paint in (
+        (regions.BRAIN, BRAIN),
+        (regions.TUMOUR, TUMOUR),
+        (regions.VENTRICLE, FIXED),
+    ):
         part = half.extract_cells(half.cell_data["region"] == region)
         if part.n_cells:
             plotter.add_mesh(
@@ -108,7 +112,7 @@ def render_deformed_cut(
     view: View = colours["view"]
     origin = _middle(mesh, mesh.points + displacement)
     deformed = grid(mesh, displacement, values)
-    brain = deformed.extract_cells(mesh.region != TUMOUR_REGION)
+    brain = deformed.extract_cells(mesh.region != regions.TUMOUR)
     _add_coloured(plotter, brain.clip(normal=view.cut_normal, origin=origin), colours)
     _add_tumour(plotter, deformed)
     rest = grid(mesh).extract_surface(algorithm=None)
@@ -153,7 +157,7 @@ def _add_coloured(
 
 
 def _add_tumour(plotter: pv.Plotter, body: pv.UnstructuredGrid) -> None:
-    tumour = body.extract_cells(body.cell_data["region"] == TUMOUR_REGION)
+    tumour = body.extract_cells(body.cell_data["region"] == regions.TUMOUR)
     if tumour.n_cells:
         surface = tumour.extract_surface(algorithm=None)
         plotter.add_mesh(surface, color=TUMOUR, smooth_shading=True, specular=0.3)
@@ -185,7 +189,7 @@ def _add_forces(
 
 def _middle(mesh: TetMesh, points: FloatArray) -> FloatArray:
     """Return the tumour's centre, or the body's if it has none."""
-    tumour = mesh.cells[mesh.region == TUMOUR_REGION]
+    tumour = mesh.cells[mesh.region == regions.TUMOUR]
     middle: FloatArray = points[tumour if len(tumour) else mesh.cells].mean(axis=(0, 1))
     return middle
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.geometry.regions import TUMOUR, region_name
 from physgnn.mechanics.loads import LoadCase
 from physgnn.serving.engine import Engine
 from physgnn.serving.fields import FIELDS, SolvedLoad
@@ -119,7 +120,7 @@ def _tumour_shift(engine: Engine, displacement: FloatArray) -> float | None:
 
 
 def _tumour_nodes(engine: Engine) -> NDArray[np.int64] | None:
-    faces = engine.shown.faces.get("tumour")
+    faces = engine.shown.faces.get(region_name(TUMOUR))
     return None if faces is None else engine.shown.nodes[np.unique(faces)]
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.geometry import TetMesh
+from physgnn.geometry.tetmesh import TetMesh, signed_volumes
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Prediction
 from physgnn.serving.viewed import FINITE_ELEMENTS, Viewed
@@ -114,7 +114,7 @@ def error_bound(viewed: Viewed, solved: SolvedLoad) -> FloatArray | None:
 def volume_ratio(viewed: Viewed, solved: SolvedLoad) -> FloatArray:
     """Return det F at the points: deformed over rest volume of the cells around."""
     mesh = viewed.body.mesh
-    deformed = _volumes(mesh, mesh.points + solved.prediction.displacement)
+    deformed = signed_volumes(mesh.points + solved.prediction.displacement, mesh.cells)
     return _around(mesh, deformed) / _around(mesh, mesh.cell_volumes)
 
 
@@ -143,12 +143,6 @@ FIELDS: dict[str, ColourField] = {
         diverging=True,
     ),
 }
-
-
-def _volumes(mesh: TetMesh, points: FloatArray) -> FloatArray:
-    a, b, c, d = (points[mesh.cells[:, i]] for i in range(4))
-    volumes: FloatArray = np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
-    return volumes
 
 
 def _around(mesh: TetMesh, of_cells: FloatArray) -> FloatArray:

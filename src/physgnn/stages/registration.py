@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from physgnn.errors import InputError
 from physgnn.geometry.point_pairs import PointPairs
+from physgnn.geometry.regions import REGIONS
 from physgnn.geometry.surface_points import SurfacePoints
 from physgnn.io import read_mesh
 from physgnn.io.answer_files import Answer, form_of
@@ -19,8 +20,7 @@ if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need
     from physgnn.prediction.registration import Registration
 
 DEFAULT_MATERIALS: Mapping[int, Material] = {
-    region: TISSUES[name].material
-    for region, name in enumerate(("brain", "tumour", "ventricle"))
+    region: TISSUES[name].material for region, name in enumerate(REGIONS)
 }
 
 
