@@ -5,7 +5,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physgnn.errors import InputError
-from physgnn.serving.messages import MAX_BYTES, Push, Section, read_message, read_push
+from physgnn.serving.messages import (
+    MAX_BYTES,
+    Push,
+    SectionPlane,
+    read_message,
+    read_push,
+)
 
 PUSH = {
     "type": "push",
@@ -30,9 +36,9 @@ def test_a_push_is_read() -> None:
 
 def test_a_section_is_read_and_taken_away() -> None:
     text = '{"type": "section", "axis": "axial", "offset_mm": 3}'
-    assert read_message(text) == Section(axis="axial", offset_mm=3.0)
+    assert read_message(text) == SectionPlane(axis="axial", offset_mm=3.0)
     away = read_message('{"type": "section", "axis": null}')
-    assert isinstance(away, Section)
+    assert isinstance(away, SectionPlane)
     assert away.axis is None
 
 

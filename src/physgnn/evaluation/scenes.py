@@ -13,7 +13,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads import LoadCase
 
 FloatArray = NDArray[np.float64]
-Image = NDArray[np.uint8]
+Pixels = NDArray[np.uint8]
 
 SIZE = (1200, 1100)  # pixels
 ARROW_SHARE = 0.18  # longest force arrow over the size of the body, one arrow alone
@@ -51,7 +51,7 @@ class View:
         return cls(towards / np.linalg.norm(towards), normal, up)
 
 
-def render_case(mesh: TetMesh, case: LoadCase, view: View) -> Image:
+def render_case(mesh: TetMesh, case: LoadCase, view: View) -> Pixels:
     """Draw surface, tumour, fixed and loaded points, and the forces."""
     plotter = _plotter()
     brain = grid(mesh).extract_surface(algorithm=None)
@@ -68,7 +68,7 @@ def render_case(mesh: TetMesh, case: LoadCase, view: View) -> Image:
     return _shot(plotter, mesh, view.towards, view.up)
 
 
-def render_cut(mesh: TetMesh, view: View) -> Image:
+def render_cut(mesh: TetMesh, view: View) -> Pixels:
     """Draw the tetrahedra behind a cut through the tumour (or the body's centre)."""
     plotter = _plotter()
     half = grid(mesh).clip(
@@ -89,7 +89,7 @@ def render_cut(mesh: TetMesh, view: View) -> Image:
 
 def render_surface(
     mesh: TetMesh, displacement: FloatArray, values: FloatArray, **colours: Any
-) -> Image:
+) -> Pixels:
     """Draw the deformed surface, coloured by a value a point.
 
     `colours` takes `view` (View), `limits` (low, high) and `map` (a colour map).
@@ -103,7 +103,7 @@ def render_surface(
 
 def render_deformed_cut(
     mesh: TetMesh, displacement: FloatArray, values: FloatArray, **colours: Any
-) -> Image:
+) -> Pixels:
     """Draw the deformed body behind a cut, its tumour whole, the rest shape around it.
 
     `colours` as in `render_surface`.
@@ -200,7 +200,7 @@ def _diameter(mesh: TetMesh) -> float:
 
 def _shot(
     plotter: pv.Plotter, mesh: TetMesh, towards: FloatArray, up: FloatArray
-) -> Image:
+) -> Pixels:
     """Take the picture with the same camera distance for every view of a mesh."""
     centre = (mesh.points.min(axis=0) + mesh.points.max(axis=0)) / 2
     plotter.camera.parallel_projection = True

@@ -11,7 +11,7 @@ import torch
 
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Prediction
-from physgnn.serving.image import Image
+from physgnn.serving.image import GreyVolume
 from physgnn.serving.refine import Refiner
 from physgnn.serving.shown import Shown
 from physgnn.serving.viewed import Viewed
@@ -32,7 +32,7 @@ class Engine:
     ----------
     viewed : Viewed
         What is on show.
-    image : Image, optional
+    image : GreyVolume, optional
         Preoperative image for sections.
 
     Attributes
@@ -41,7 +41,7 @@ class Engine:
         Each is told every answer's displacement and prediction, in the event loop.
     """
 
-    def __init__(self, viewed: Viewed, image: Image | None = None) -> None:
+    def __init__(self, viewed: Viewed, image: GreyVolume | None = None) -> None:
         self.viewed, self.image = viewed, image
         self.shown = Shown.of(viewed.body.mesh)
         self.listeners: list[Callable[[Prediction], None]] = []

@@ -29,7 +29,7 @@ def _row_of_fields(name: str) -> str:
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Vector = tuple[Number, Number, Number]
-Answer = Literal["network", "linear"]
+PredictorName = Literal["network", "linear"]
 FieldName = Annotated[str, AfterValidator(_row_of_fields)]
 Axis = Literal["sagittal", "coronal", "axial"]
 
@@ -64,12 +64,12 @@ class Push(_Message):
     point: Vector
     force_n: Vector
     radius_mm: Annotated[Number, Field(gt=0, le=MAX_RADIUS_MM)]
-    answers: Annotated[list[Answer], Field(min_length=1, max_length=2)]
+    answers: Annotated[list[PredictorName], Field(min_length=1, max_length=2)]
     field: FieldName = "displacement"
     solve: bool = False
 
 
-class Section(_Message):
+class SectionPlane(_Message):
     """A plane to cut the brain with, or none.
 
     Attributes
@@ -91,11 +91,11 @@ class Release(_Message):
     type: Literal["release"] = "release"
 
 
-Message = Annotated[Push | Section | Release, Field(discriminator="type")]
-_READER: TypeAdapter[Push | Section | Release] = TypeAdapter(Message)
+Message = Annotated[Push | SectionPlane | Release, Field(discriminator="type")]
+_READER: TypeAdapter[Push | SectionPlane | Release] = TypeAdapter(Message)
 
 
-def read_message(content: str | bytes) -> Push | Section | Release:
+def read_message(content: str | bytes) -> Push | SectionPlane | Release:
     """Return a message from the browser.
 
     Raises

@@ -15,9 +15,8 @@ from physgnn.serving.answers import (
 )
 from physgnn.serving.engine import Engine
 from physgnn.serving.fields import SolvedLoad
-from physgnn.serving.messages import Push, Release, Section, read_message
-from physgnn.serving.section import Section as Cut
-from physgnn.serving.section import cut
+from physgnn.serving.messages import Push, Release, SectionPlane, read_message
+from physgnn.serving.section import Section, cut
 from physgnn.serving.viewed import FINITE_ELEMENTS
 
 SendText = Callable[[str], Awaitable[None]]
@@ -47,8 +46,8 @@ class Session:
         self._engine = engine
         self._send_text, self._send_bytes = send_text, send_bytes
         self._push: Push | None = None
-        self._plane: Section | None = None
-        self._cut: Cut | None = None
+        self._plane: SectionPlane | None = None
+        self._cut: Section | None = None
         self._changed = asyncio.Event()
         self._refinement: asyncio.Task[None] | None = None
 
@@ -66,8 +65,8 @@ class Session:
             answering.cancel()
             self._stop_refinement()
 
-    def _take(self, message: Push | Section | Release) -> None:
-        if isinstance(message, Section):
+    def _take(self, message: Push | SectionPlane | Release) -> None:
+        if isinstance(message, SectionPlane):
             self._plane = message
         else:
             self._stop_refinement()
@@ -88,7 +87,7 @@ class Session:
             except InputError as error:
                 await self._say(error, push)
 
-    async def _section(self, plane: Section) -> None:
+    async def _section(self, plane: SectionPlane) -> None:
         self._cut = None
         if plane.axis is None:
             return

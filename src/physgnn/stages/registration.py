@@ -9,7 +9,7 @@ from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.regions import REGIONS
 from physgnn.geometry.surface_points import SurfacePoints
 from physgnn.io import read_mesh
-from physgnn.io.answer_files import Answer, form_of
+from physgnn.io.answer_files import DisplacementFields, form_of
 from physgnn.io.markups import read_point_pairs
 from physgnn.io.measured_surface import read_surface_points
 from physgnn.io.nifti import read_image
@@ -81,5 +81,5 @@ def register(
         "deviation_mm": found.deviation_mm,
         "force_n": found.forces,
     }
-    write(Path(out), Answer(case, fields, grid))
+    write(Path(out), DisplacementFields(case, fields, grid))
     return found
