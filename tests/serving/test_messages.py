@@ -67,6 +67,13 @@ def test_a_wrong_push_is_one_line_that_says_what_is_wrong(change, says) -> None:
     assert "\n" not in str(error.value)
 
 
+def test_an_axis_that_is_none_names_those_there_are() -> None:
+    with pytest.raises(
+        InputError, match="axis: Input should be 'sagittal' or 'coronal'"
+    ):
+        read_message('{"type": "section", "axis": "oblique"}')
+
+
 def test_too_long_and_binary_messages_are_refused_before_they_are_parsed() -> None:
     with pytest.raises(InputError, match="at most 4096 characters"):
         read_message("[" * (MAX_BYTES + 1))

@@ -1,5 +1,6 @@
 """What a browser may say: every field checked, every mistake one line."""
 
+from collections.abc import Collection
 from typing import Annotated, Literal
 
 from pydantic import (
@@ -14,24 +15,32 @@ from pydantic_core import PydanticCustomError
 
 from physgnn.errors import InputError
 from physgnn.serving.fields import FIELDS
+from physgnn.serving.section import AXES
 
 MAX_BYTES = 4096
 MAX_FORCE_N = 1000.0
 MAX_RADIUS_MM = 200.0
 
 
-def _row_of_fields(name: str) -> str:
-    if name not in FIELDS:
-        known = " or ".join(f"'{field}'" for field in FIELDS)
-        raise PydanticCustomError("field", "Input should be {known}", {"known": known})
-    return name
+def _key_of(table: Collection[str]) -> AfterValidator:
+    """Return a check that a text is a key of a table, as the table is then."""
+
+    def check(name: str) -> str:
+        if name not in table:
+            known = " or ".join(f"'{key}'" for key in table)
+            raise PydanticCustomError(
+                "key", "Input should be {known}", {"known": known}
+            )
+        return name
+
+    return AfterValidator(check)
 
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Vector = tuple[Number, Number, Number]
 PredictorName = Literal["network", "linear"]
-FieldName = Annotated[str, AfterValidator(_row_of_fields)]
-Axis = Literal["sagittal", "coronal", "axial"]
+FieldName = Annotated[str, _key_of(FIELDS)]
+Axis = Annotated[str, _key_of(AXES)]
 
 
 class _Message(BaseModel):
