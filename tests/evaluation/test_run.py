@@ -1,15 +1,19 @@
 """A run is evaluated on what it has not seen, into one self-contained report."""
 
 import re
+from collections import defaultdict
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from physgnn.dataset.split import split_path, split_published
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.evaluation.report import report_html
 from physgnn.evaluation.result import Report
 from physgnn.evaluation.run import Comparison, evaluate_run, evaluate_runs
 from physgnn.learning.checkpoint import Checkpoint
@@ -28,11 +32,16 @@ class Tags(HTMLParser):
         super().__init__()
         self.open: list[str] = []
         self.seen: list[tuple[str, dict[str, str | None]]] = []
+        self.text: dict[str, list[str]] = defaultdict(list)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.seen.append((tag, dict(attrs)))
         if tag not in VOID:
             self.open.append(tag)
+
+    def handle_data(self, data: str) -> None:
+        if self.open:
+            self.text[self.open[-1]].append(data)
 
     def handle_endtag(self, tag: str) -> None:
         assert self.open.pop() == tag
@@ -106,6 +115,15 @@ def test_page_says_what_the_report_says(page: str, report: Report) -> None:
     assert "Whole load paths are held out" in page
     assert "physgnn evaluate &lt;run&gt; &amp; more" in page
     assert page.count("PhysGNN</th>") == 4
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.text("<>&\"'{}%# ab/", min_size=1))
+def test_whatever_a_fact_says_is_shown_and_never_run(report: Report, text: str) -> None:
+    shown = Tags()
+    shown.feed(report_html(report.with_facts(case={"said": text}), ()))
+    assert shown.open == []
+    assert text in shown.text["dd"]
 
 
 def test_samples_of_the_training_set_are_refused(run: Path, store: Store) -> None:

@@ -10,7 +10,7 @@ from physgnn.evaluation.baselines import QUICK, baseline_rows
 from physgnn.evaluation.evaluate import evaluate
 from physgnn.evaluation.formats import duration, minutes, mm, percent, with_spread
 from physgnn.evaluation.held_out import HeldOut
-from physgnn.evaluation.published_tables import extremes_table, protocol_table
+from physgnn.evaluation.published import extremes_table, protocol_table
 from physgnn.evaluation.result import Report
 from physgnn.evaluation.tables import accuracy_table, level_table, tolerance_table
 

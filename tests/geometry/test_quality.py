@@ -43,6 +43,19 @@ def test_measures_do_not_depend_on_size_and_place(seed: int, scale: float) -> No
     assert 0.0 < mean_ratio(one)[0] <= 1.0
 
 
+@given(st.integers(0, 10_000), st.floats(1e-3, 1.0))
+def test_the_mean_ratio_is_that_of_liu_and_joe(seed: int, height: float) -> None:
+    points = np.random.default_rng(seed).normal(size=(4, 3)) * [1.0, 1.0, height]
+    spokes = points[1:] - points[0]
+    volume = abs(np.linalg.det(spokes)) / 6.0
+    if volume < 1e-6:
+        return
+    others = points[[1, 2, 3]] - points[[2, 3, 1]]
+    squares = np.sum(spokes**2) + np.sum(others**2)
+    expected = 12.0 * np.cbrt(3.0 * volume) ** 2 / squares
+    assert mean_ratio(one_cell(points)) == pytest.approx([expected], rel=1e-8)
+
+
 def test_flattening_lowers_the_mean_ratio_to_zero() -> None:
     heights = np.array([1.0, 0.3, 0.1, 0.01])
     ratios = [mean_ratio(one_cell(REGULAR * [1, 1, h]))[0] for h in heights]

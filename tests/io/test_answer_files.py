@@ -9,7 +9,7 @@ import SimpleITK as sitk
 from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.answer_files import FORMS, Answer, form_of
+from physgnn.io.answer_files import FORMS, DisplacementFields, form_of
 from physgnn.io.nifti import read_segmentation
 from physgnn.io.prediction_file import read_displacement
 
@@ -25,15 +25,15 @@ NAMES = {
 
 
 @pytest.fixture
-def answer(block: TetMesh) -> Answer:
+def answer(block: TetMesh) -> DisplacementFields:
     affine = np.diag([-0.5, -0.5, 0.5, 1.0])
     affine[:3, 3] = 14.75, 14.75, -4.75
     fields = {"displacement_mm": np.tile(SHIFT, (block.n_points, 1))}
-    return Answer(block, fields, ImageGrid((40, 40, 40), affine))
+    return DisplacementFields(block, fields, ImageGrid((40, 40, 40), affine))
 
 
 def test_a_shift_is_the_same_in_every_form(
-    answer: Answer, block: TetMesh, tmp_path: Path
+    answer: DisplacementFields, block: TetMesh, tmp_path: Path
 ) -> None:
     for name, form in FORMS.items():
         form_of(tmp_path / NAMES[name], name).write(tmp_path / NAMES[name], answer)
@@ -53,7 +53,9 @@ def test_a_shift_is_the_same_in_every_form(
     np.testing.assert_allclose(inverse.get_fdata()[at][0], -SHIFT * lps, atol=1e-6)
 
 
-def test_labels_are_where_the_regions_go(answer: Answer, tmp_path: Path) -> None:
+def test_labels_are_where_the_regions_go(
+    answer: DisplacementFields, tmp_path: Path
+) -> None:
     path = tmp_path / NAMES["labels"]
     form_of(path, "labels").write(path, answer)
     found = read_segmentation(path)
@@ -83,6 +85,6 @@ def test_the_name_decides(tmp_path: Path) -> None:
 
 def test_without_an_image_the_grid_holds_body_and_fade(block: TetMesh) -> None:
     u = np.tile([20.0, 0.0, 0.0], (block.n_points, 1))
-    grid = Answer(block, {"displacement_mm": u}).voxels
+    grid = DisplacementFields(block, {"displacement_mm": u}).voxels
     low, high = grid.to_world([[0, 0, 0], np.array(grid.shape) - 1])
     assert (low <= -80).all() and (high >= 90).all()

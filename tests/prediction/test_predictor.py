@@ -109,7 +109,7 @@ def test_the_estimate_is_larger_where_an_answer_does_not_tell_its_equilibrium(
     case = LoadCase(body.mesh.point_set("loaded")[:1], np.array([[0.0, 0.0, -0.01]]))
     predictor = Predictor(Linear(body))
     shallow = predictor(case, estimate="physical").likely_error_mm
-    monkeypatch.setattr("physgnn.prediction.predictor.UNSURE_FROM", 1e-6)
+    monkeypatch.setattr("physgnn.prediction.repair.UNSURE_FROM", 1e-6)
     deep = predictor(case, estimate="physical").likely_error_mm
     assert shallow is not None
     assert deep is not None

@@ -2,10 +2,26 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
-from physgnn.prediction.repair import AIM, DEEPEST, depth, where_to_begin
+from physgnn.mechanics.relaxation import Relaxation
+from physgnn.prediction.prediction import ErrorEstimate, LikelyError
+from physgnn.prediction.repair import (
+    AIM,
+    DEEPEST,
+    UNSURE_BY,
+    UNSURE_FROM,
+    WRONG_BY,
+    cautious_error,
+    depth,
+    good_enough,
+    where_to_begin,
+)
+
+SIZES = st.floats(0.0, 100.0)
 
 
 def pushed_in(body: Body, n_loaded: int, edges: float) -> tuple[LoadCase, np.ndarray]:
@@ -65,6 +81,34 @@ def test_where_no_share_tells_it_begins_at_rest(body: Body, size: float) -> None
     start = where_to_begin(lambda _: size * far, body, case, size * far)
     assert start.displacement is None
     assert start.share == 0.0
+
+
+def test_an_answer_not_to_be_trusted_is_begun_at_rest(body: Body) -> None:
+    case, near = pushed_in(body, 1, 0.1 * DEEPEST)
+    assert where_to_begin(None, body, case, near).displacement is None
+
+
+@pytest.mark.parametrize(("edges", "factor"), [(0.99, 1.0), (1.01, UNSURE_BY)])
+def test_where_other_equilibria_lie_near_the_estimate_grows(
+    body: Body, edges: float, factor: float
+) -> None:
+    case, displacement = pushed_in(body, 1, edges * UNSURE_FROM)
+    error = 0.1 * displacement
+    relaxed = Relaxation(displacement, error, 0 * error)
+    np.testing.assert_array_equal(
+        cautious_error(body, case, relaxed), factor * relaxed.error
+    )
+
+
+@given(bound=SIZES, likely=SIZES, tolerance=SIZES)
+def test_good_enough_is_below_the_tolerance_by_bound_and_by_estimate(
+    bound: float, likely: float, tolerance: float
+) -> None:
+    enough = good_enough(
+        ErrorEstimate(bound, bound, 0.9), LikelyError(likely, likely), tolerance
+    )
+    assert enough == (bound <= tolerance and WRONG_BY * likely <= tolerance)
+    assert not good_enough(None, LikelyError(likely, likely), tolerance)
 
 
 def unwanted(_: LoadCase) -> np.ndarray:

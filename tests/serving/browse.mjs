@@ -106,10 +106,13 @@ await answered("finite elements");
 saw.captions = await page.locator("#captions span").allInnerTexts();
 await page.click("label:has(#compare)");
 
-for (const field of ["error", "volume", "displacement"]) {
+saw.menu = await page.locator("#fields label").allInnerTexts();
+saw.legends = {};
+const names = await page.locator("#fields input").evaluateAll((inputs) => inputs.map((i) => i.value));
+for (const field of names.reverse()) {
   await page.click(`#fields label:has([value=${field}])`);
   await answered("network");
-  saw[field] = await page.locator("#legend-title").textContent();
+  saw.legends[field] = await page.locator("#legend-title").textContent();
 }
 await page.click("#axes label:has([value=axial])");
 await page.waitForFunction(() => window.physgnn.stage.views[0].section !== null, null, WAIT);

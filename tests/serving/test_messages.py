@@ -5,7 +5,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physgnn.errors import InputError
-from physgnn.serving.messages import MAX_BYTES, Push, Section, read_message, read_push
+from physgnn.serving.messages import (
+    MAX_BYTES,
+    Push,
+    SectionPlane,
+    read_message,
+    read_push,
+)
 
 PUSH = {
     "type": "push",
@@ -30,9 +36,9 @@ def test_a_push_is_read() -> None:
 
 def test_a_section_is_read_and_taken_away() -> None:
     text = '{"type": "section", "axis": "axial", "offset_mm": 3}'
-    assert read_message(text) == Section(axis="axial", offset_mm=3.0)
+    assert read_message(text) == SectionPlane(axis="axial", offset_mm=3.0)
     away = read_message('{"type": "section", "axis": null}')
-    assert isinstance(away, Section)
+    assert isinstance(away, SectionPlane)
     assert away.axis is None
 
 
@@ -51,6 +57,7 @@ def test_a_section_is_read_and_taken_away() -> None:
         ({"answers": ["oracle"]}, "'network'"),
         ({"id": -1}, "id"),
         ({"colour": "red"}, "colour"),
+        ({"field": "oracle"}, "field: Input should be 'displacement' or 'error'"),
     ],
 )
 def test_a_wrong_push_is_one_line_that_says_what_is_wrong(change, says) -> None:
@@ -58,6 +65,13 @@ def test_a_wrong_push_is_one_line_that_says_what_is_wrong(change, says) -> None:
         read_message(json.dumps({**PUSH, **change}))
     assert says in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_an_axis_that_is_none_names_those_there_are() -> None:
+    with pytest.raises(
+        InputError, match="axis: Input should be 'sagittal' or 'coronal'"
+    ):
+        read_message('{"type": "section", "axis": "oblique"}')
 
 
 def test_too_long_and_binary_messages_are_refused_before_they_are_parsed() -> None:

@@ -53,13 +53,13 @@ from physgnn.dataset.load_rules import (
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR, Preset
 from physgnn.errors import InputError
 from physgnn.geometry.point_sets import Rule, rule_from_table
+from physgnn.geometry.regions import REGIONS, region_label
 from physgnn.mechanics.element import DEFAULT_ELEMENT, checked_element
 from physgnn.mechanics.gravity import Gravity
 from physgnn.mechanics.load_paths import cone_paths
 from physgnn.mechanics.materials import TISSUES, Material
 from physgnn.mechanics.materials.table import LAWS
 
-REGIONS = {"brain": 0, "tumour": 1, "ventricle": 2}
 POINT_SETS = ("fixed", "loaded")
 KEYS = ("element", "remove_region", "point_sets", "materials", "loads")
 MORE_LOADS: Mapping[str, type[LoadRule]] = {
@@ -224,12 +224,13 @@ def _removed(name: Any, path: str | Path) -> int | None:
 
 
 def _region(name: str, where: str) -> int:
-    if name not in REGIONS and not name.isdecimal():
+    label = region_label(name)
+    if label is None:
         raise InputError(
             f"unknown region '{name}' in {where} (use {', '.join(REGIONS)} or the "
             "region's number)"
         )
-    return REGIONS[name] if name in REGIONS else int(name)
+    return label
 
 
 def _rules(table: Any, path: str | Path) -> dict[str, Rule]:

@@ -1,7 +1,5 @@
 """Datasets of other solvers' results: meshless, SOFA, FEBio, measured."""
 
-import shutil
-import uuid
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
@@ -13,6 +11,7 @@ from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.io.arrays import read_arrays
+from physgnn.io.atomic import whole_folder
 from physgnn.io.febio_model import read_febio_results
 from physgnn.io.series import read_series
 from physgnn.io.simulation import Simulation
@@ -90,10 +89,9 @@ def import_results(
     longest = max((s.load_path.load_factors for s in found), key=len)
     for simulation in found:
         _check_same(simulation, found[0], longest)
-    partial_store = target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.partial")
-    try:
+    with whole_folder(target) as part:
         made = Store.create(
-            partial_store,
+            part,
             found[0].mesh,
             [LoadPath(s.load_path.nodes, s.load_path.forces, longest) for s in found],
             materials=found[0].materials or materials,
@@ -109,9 +107,6 @@ def import_results(
             made.write(i, _extended(simulation.answer(), longest))
             if progress:
                 progress(i + 1, len(found), simulation.source)
-        partial_store.rename(target)
-    finally:
-        shutil.rmtree(partial_store, ignore_errors=True)
     return Store.open(target)
 
 

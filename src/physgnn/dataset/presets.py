@@ -10,6 +10,7 @@ from physgnn.dataset.load_rules import Paths
 from physgnn.errors import InputError
 from physgnn.geometry import point_sets
 from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
+from physgnn.geometry.regions import BRAIN, REGIONS, TUMOUR
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.load_paths import (
@@ -18,7 +19,7 @@ from physgnn.mechanics.load_paths import (
     traction_paths,
 )
 from physgnn.mechanics.loads import LoadPath
-from physgnn.mechanics.materials import Material, NeoHookean
+from physgnn.mechanics.materials import TISSUES, Material
 from physgnn.mechanics.pushes import push_paths
 from physgnn.mechanics.resection import remove_region
 
@@ -78,8 +79,7 @@ class Preset:
 
 
 BRAIN_AND_TUMOUR: Mapping[int, Material] = {
-    0: NeoHookean(youngs_modulus_pa=3000.0, poissons_ratio=0.49),
-    1: NeoHookean(youngs_modulus_pa=7500.0, poissons_ratio=0.49),
+    region: TISSUES[REGIONS[region]].material for region in (BRAIN, TUMOUR)
 }
 """The published materials: brain, tumour."""
 

@@ -1,8 +1,6 @@
 """The dataset: one mesh, many load paths, and the displacement along each."""
 
 import os
-import shutil
-import uuid
 from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -18,6 +16,7 @@ from physgnn.dataset.result_rows import encoded
 from physgnn.dataset.stored_paths import StoredPaths
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io.atomic import whole_folder
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.factor_cache import FACTORS
@@ -108,13 +107,8 @@ class Store:
         if target.exists():
             raise InputError(f"{target} exists already: open it, or name another")
         asked = Definition(mesh, paths, materials, fixed, element)
-        partial = target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.partial")
-        try:
-            partial.parent.mkdir(parents=True, exist_ok=True)
-            asked.write(partial, provenance)
-            partial.rename(target)
-        finally:
-            shutil.rmtree(partial, ignore_errors=True)
+        with whole_folder(target) as part:
+            asked.write(part, provenance)
         return cls(target)
 
     @classmethod

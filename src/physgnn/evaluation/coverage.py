@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.evaluation.held_out import HeldOut
-from physgnn.io.atomic import whole_file
+from physgnn.io.atomic import write_whole
 from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.predictor import Predictor
 from physgnn.progress import Progress
@@ -172,6 +172,5 @@ def bound_pairs(
 
 def write_bars(samples: Sequence[BarSample], file: Path) -> None:
     """Write every sample as JSON, whole or not at all."""
-    with whole_file(file) as part:
-        record = [asdict(sample) for sample in samples]
-        part.write_text(json.dumps(record, indent=1, allow_nan=False), "utf-8")
+    record = [asdict(sample) for sample in samples]
+    write_whole(file, json.dumps(record, indent=1, allow_nan=False))

@@ -23,10 +23,9 @@ from physgnn.evaluation.metrics import (
 )
 from physgnn.evaluation.result import ModelErrors, Report
 from physgnn.evaluation.rows import Row
+from physgnn.geometry.regions import TUMOUR
 from physgnn.prediction.prediction import Prediction
 from physgnn.progress import Progress
-
-TUMOUR = 1  # region label
 
 
 def evaluate(

@@ -12,22 +12,23 @@ import torch
 from physgnn.dataset.store import Store
 from physgnn.evaluation.formats import duration
 from physgnn.geometry.quality import quality
+from physgnn.geometry.regions import region_name
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.mechanics.materials.table import material_to_config
 from physgnn.prediction.calibration import Calibration
 
-REGIONS = {0: "brain", 1: "tumour", 2: "ventricle"}
 LIBRARIES = ("physgnn", "numpy", "scipy", "torch", "zarr")
 
 
 def case_facts(store: Store) -> dict[str, Any]:
     """Return what was simulated: mesh, sets, loads, materials."""
     mesh = store.mesh
+    volumes = mesh.cell_volumes
     loads = [store.load_path(i) for i in range(store.n_paths)]
     total = [float(np.linalg.norm(path.forces, axis=1).sum()) for path in loads]
     loaded = np.unique(np.concatenate([path.nodes for path in loads]))
     regions = ", ".join(
-        f"{_region(label)} {mesh.cell_volumes[mesh.region == label].sum() / 1e3:.1f} ml"
+        f"{region_name(label)} {volumes[mesh.region == label].sum() / 1e3:.1f} ml"
         for label in np.unique(mesh.region).tolist()
     )
     return {
@@ -35,7 +36,7 @@ def case_facts(store: Store) -> dict[str, Any]:
         "mesh": f"{mesh.n_points} points, {mesh.n_cells} tetrahedra; {regions}",
         "mesh_quality": str(quality(mesh)).removeprefix("quality: "),
         "materials": "; ".join(
-            f"{_region(label)}: {_pairs(material_to_config(material))}"
+            f"{region_name(label)}: {_pairs(material_to_config(material))}"
             for label, material in store.materials.items()
         ),
         "points": f"{len(store.fixed)} fixed, {len(loaded)} loaded in some path",
@@ -105,10 +106,6 @@ def provenance_facts(store: Store, checkpoint: Checkpoint, command: str) -> Any:
         "versions": _pairs({name: version(name) for name in LIBRARIES}),
         "python": f"{platform.python_version()} on {platform.platform()}",
     }
-
-
-def _region(label: int) -> str:
-    return REGIONS.get(label, f"region {label}")
 
 
 def _pairs(values: Mapping[str, Any]) -> str:

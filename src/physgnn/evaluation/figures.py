@@ -18,7 +18,7 @@ from physgnn.evaluation.charts import estimate_chart, histogram_chart, level_cha
 from physgnn.evaluation.coverage import BarSample
 from physgnn.evaluation.coverage_chart import bars_chart
 from physgnn.evaluation.result import ModelErrors, Report
-from physgnn.evaluation.scenes import FloatArray, Image, View
+from physgnn.evaluation.scenes import FloatArray, Pixels, View
 from physgnn.evaluation.style import (
     BRAIN,
     DISPLACEMENT_MAP,
@@ -208,7 +208,7 @@ def _draw_worst(
         values: FloatArray,
         colours: Colormap,
         ends: tuple[float, float],
-    ) -> Image:
+    ) -> Pixels:
         return scenes.render_surface(
             store.mesh, displacement, values, view=view, limits=ends, map=colours
         )
@@ -237,7 +237,7 @@ def _draw_worst(
 
 
 def _panels(
-    images: tuple[Image, ...], titles: tuple[str, ...]
+    images: tuple[Pixels, ...], titles: tuple[str, ...]
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure with one image beside the other, their margins cut off."""
     cropped = _cropped(images)
@@ -252,7 +252,7 @@ def _panels(
     return made, axes
 
 
-def _cropped(images: Iterable[Image]) -> list[Image]:
+def _cropped(images: Iterable[Pixels]) -> list[Pixels]:
     """Cut the margins that are empty in every image, so that all keep one scale."""
     stack = np.stack(list(images))
     drawn = np.any(stack[..., 3] > 0, axis=0)

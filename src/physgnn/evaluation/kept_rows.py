@@ -8,7 +8,7 @@ from pathlib import Path
 from physgnn.evaluation.held_out import HeldOut
 from physgnn.evaluation.result import ModelErrors, errors_from_json
 from physgnn.evaluation.rows import Row
-from physgnn.io.atomic import whole_file
+from physgnn.io.atomic import write_whole
 
 
 class KeptRows:
@@ -39,8 +39,7 @@ class KeptRows:
     def put(self, row: Row, errors: ModelErrors) -> None:
         """Keep a row, whole or not at all."""
         self._folder.mkdir(parents=True, exist_ok=True)
-        with whole_file(self._file(row)) as part:
-            part.write_text(json.dumps(asdict(errors), allow_nan=False), "utf-8")
+        write_whole(self._file(row), json.dumps(asdict(errors), allow_nan=False))
 
     def _file(self, row: Row) -> Path:
         digest = self._digest.copy()

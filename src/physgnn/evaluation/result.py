@@ -9,6 +9,7 @@ from typing import Any
 from physgnn.errors import InputError
 from physgnn.evaluation.distribution import Distribution
 from physgnn.evaluation.metrics import SampleError, SampleSummary
+from physgnn.io.atomic import write_whole
 
 FORMAT = "physgnn-evaluation"
 VERSION = 2
@@ -115,9 +116,7 @@ class Report:
     def write(self, path: Path) -> None:
         """Write the numbers as JSON, whole or not at all."""
         record = {"format": FORMAT, "version": VERSION, **asdict(self)}
-        part = path.with_name(path.name + ".part")
-        part.write_text(json.dumps(record, indent=1, allow_nan=False), "utf-8")
-        part.replace(path)
+        write_whole(path, json.dumps(record, indent=1, allow_nan=False))
 
     @classmethod
     def read(cls, path: Path) -> "Report":

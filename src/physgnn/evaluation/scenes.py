@@ -8,13 +8,13 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from physgnn.evaluation.style import BRAIN, FIXED, LOADED, TUMOUR
+from physgnn.geometry import regions
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads import LoadCase
 
 FloatArray = NDArray[np.float64]
-Image = NDArray[np.uint8]
+Pixels = NDArray[np.uint8]
 
-TUMOUR_REGION = 1
 SIZE = (1200, 1100)  # pixels
 ARROW_SHARE = 0.18  # longest force arrow over the size of the body, one arrow alone
 
@@ -51,7 +51,7 @@ class View:
         return cls(towards / np.linalg.norm(towards), normal, up)
 
 
-def render_case(mesh: TetMesh, case: LoadCase, view: View) -> Image:
+def render_case(mesh: TetMesh, case: LoadCase, view: View) -> Pixels:
     """Draw surface, tumour, fixed and loaded points, and the forces."""
     plotter = _plotter()
     brain = grid(mesh).extract_surface(algorithm=None)
@@ -68,13 +68,17 @@ def render_case(mesh: TetMesh, case: LoadCase, view: View) -> Image:
     return _shot(plotter, mesh, view.towards, view.up)
 
 
-def render_cut(mesh: TetMesh, view: View) -> Image:
+def render_cut(mesh: TetMesh, view: View) -> Pixels:
     """Draw the tetrahedra behind a cut through the tumour (or the body's centre)."""
     plotter = _plotter()
     half = grid(mesh).clip(
         normal=view.cut_normal, origin=_middle(mesh, mesh.points), crinkle=True
     )
-    for region, paint in ((0, BRAIN), (1, TUMOUR), (2, FIXED)):
+    for region, paint in (
+        (regions.BRAIN, BRAIN),
+        (regions.TUMOUR, TUMOUR),
+        (regions.VENTRICLE, FIXED),
+    ):
         part = half.extract_cells(half.cell_data["region"] == region)
         if part.n_cells:
             plotter.add_mesh(
@@ -85,7 +89,7 @@ def render_cut(mesh: TetMesh, view: View) -> Image:
 
 def render_surface(
     mesh: TetMesh, displacement: FloatArray, values: FloatArray, **colours: Any
-) -> Image:
+) -> Pixels:
     """Draw the deformed surface, coloured by a value a point.
 
     `colours` takes `view` (View), `limits` (low, high) and `map` (a colour map).
@@ -99,7 +103,7 @@ def render_surface(
 
 def render_deformed_cut(
     mesh: TetMesh, displacement: FloatArray, values: FloatArray, **colours: Any
-) -> Image:
+) -> Pixels:
     """Draw the deformed body behind a cut, its tumour whole, the rest shape around it.
 
     `colours` as in `render_surface`.
@@ -108,7 +112,7 @@ def render_deformed_cut(
     view: View = colours["view"]
     origin = _middle(mesh, mesh.points + displacement)
     deformed = grid(mesh, displacement, values)
-    brain = deformed.extract_cells(mesh.region != TUMOUR_REGION)
+    brain = deformed.extract_cells(mesh.region != regions.TUMOUR)
     _add_coloured(plotter, brain.clip(normal=view.cut_normal, origin=origin), colours)
     _add_tumour(plotter, deformed)
     rest = grid(mesh).extract_surface(algorithm=None)
@@ -153,7 +157,7 @@ def _add_coloured(
 
 
 def _add_tumour(plotter: pv.Plotter, body: pv.UnstructuredGrid) -> None:
-    tumour = body.extract_cells(body.cell_data["region"] == TUMOUR_REGION)
+    tumour = body.extract_cells(body.cell_data["region"] == regions.TUMOUR)
     if tumour.n_cells:
         surface = tumour.extract_surface(algorithm=None)
         plotter.add_mesh(surface, color=TUMOUR, smooth_shading=True, specular=0.3)
@@ -185,7 +189,7 @@ def _add_forces(
 
 def _middle(mesh: TetMesh, points: FloatArray) -> FloatArray:
     """Return the tumour's centre, or the body's if it has none."""
-    tumour = mesh.cells[mesh.region == TUMOUR_REGION]
+    tumour = mesh.cells[mesh.region == regions.TUMOUR]
     middle: FloatArray = points[tumour if len(tumour) else mesh.cells].mean(axis=(0, 1))
     return middle
 
@@ -196,7 +200,7 @@ def _diameter(mesh: TetMesh) -> float:
 
 def _shot(
     plotter: pv.Plotter, mesh: TetMesh, towards: FloatArray, up: FloatArray
-) -> Image:
+) -> Pixels:
     """Take the picture with the same camera distance for every view of a mesh."""
     centre = (mesh.points.min(axis=0) + mesh.points.max(axis=0)) / 2
     plotter.camera.parallel_projection = True

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from physgnn.errors import InputError
+from physgnn.geometry.regions import REGIONS
 
-TISSUES = ("brain", "tumour", "ventricle")
 ENTRY = re.compile(r"(\w+)=(\d+(?:\+\d+)*)")
 
 
@@ -18,7 +18,7 @@ class LabelTable:
     Attributes
     ----------
     labels : mapping of tissue to labels
-        One entry a tissue of ``TISSUES``, ``"brain"`` among them; a label belongs to
+        One entry a tissue of ``REGIONS``, ``"brain"`` among them; a label belongs to
         one tissue.
     closing_mm : float
         Radius of the closing that fills sulci which have no label.
@@ -33,7 +33,7 @@ class LabelTable:
     closing_mm: float = 0.0
 
     def __post_init__(self) -> None:
-        unknown = [name for name in self.labels if name not in TISSUES]
+        unknown = [name for name in self.labels if name not in REGIONS]
         if unknown or "brain" not in self.labels:
             raise InputError(
                 f"labels are given for brain, and for tumour and ventricle if there "

@@ -13,6 +13,7 @@ from scipy import ndimage
 from physgnn.errors import InputError
 from physgnn.geometry.image import FloatArray, ImageGrid, LabelVolume
 from physgnn.geometry.label_tables import LabelTable
+from physgnn.geometry.regions import REGIONS
 
 Mask = NDArray[np.bool_]
 
@@ -90,7 +91,7 @@ def tissue_masks(
         name: _pieces(
             _cropped(masks[name], window) & brain, name, smallest_mm3, voxel, notes
         )
-        for name in ("tumour", "ventricle")
+        for name in REGIONS[1:]
         if name in masks
     }
     return TissueMasks(

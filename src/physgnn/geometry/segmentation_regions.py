@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pyvista as pv
 
+from physgnn.geometry.regions import TUMOUR, VENTRICLE
 from physgnn.geometry.surface import Surface
 from physgnn.geometry.tetmesh import TetMesh
-
-ENCLOSED, VENTRICLE = 1, 2
 
 
 def with_ventricles(mesh: TetMesh, ventricles: Sequence[Surface]) -> TetMesh:
@@ -23,7 +22,7 @@ def with_ventricles(mesh: TetMesh, ventricles: Sequence[Surface]) -> TetMesh:
     ventricles : sequence of Surface
         Closed, apart.
     """
-    enclosed = np.flatnonzero(mesh.region == ENCLOSED)
+    enclosed = np.flatnonzero(mesh.region == TUMOUR)
     centres = pv.PolyData(mesh.points[mesh.cells[enclosed]].mean(axis=1))
     region = mesh.region.copy()
     for surface in ventricles:

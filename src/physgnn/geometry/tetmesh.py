@@ -38,7 +38,7 @@ class TetMesh:
     cells : (n_cells, 4) integer array
         Point indices; every cell has positive volume, (b−a)·((c−a)×(d−a)) > 0.
     region : (n_cells,) integer array
-        0 brain, 1 tumour, 2 ventricle.
+        Labels; `physgnn.geometry.regions` names them.
     point_sets : mapping of str to integer arrays
         Named sets of points, such as ``"fixed"`` and ``"loaded"``.
 
@@ -120,9 +120,7 @@ class TetMesh:
     @cached_property
     def cell_volumes(self) -> FloatArray:
         """Signed volume of every cell in mm³, shape (n_cells,)."""
-        a, b, c, d = (self.points[self.cells[:, i]] for i in range(4))
-        volumes: FloatArray = np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
-        return volumes
+        return signed_volumes(self.points, self.cells)
 
     @cached_property
     def content_hash(self) -> str:
@@ -143,3 +141,18 @@ class TetMesh:
     def with_point_sets(self, **point_sets: IntArray) -> "TetMesh":
         """Return the same mesh with these point sets added or replaced."""
         return replace(self, point_sets={**self.point_sets, **point_sets})
+
+
+def signed_volumes(points: FloatArray, cells: NDArray[np.integer[Any]]) -> FloatArray:
+    """Return (b−a)·((c−a)×(d−a)) / 6 of tetrahedra, mm³, (n_cells,).
+
+    Parameters
+    ----------
+    points : (n_points, 3) array
+        mm.
+    cells : (n_cells, 4) integer array
+        Point indices.
+    """
+    a, b, c, d = (points[cells[:, i]] for i in range(4))
+    volumes: FloatArray = np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
+    return volumes

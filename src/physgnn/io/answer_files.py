@@ -30,7 +30,7 @@ IMAGES = tuple(reversed(SUFFIXES))
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class DisplacementFields:
     """A body, how it moves, and on which voxels that may be asked for.
 
     Parameters
@@ -63,28 +63,28 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Form:
-    """One way to write an answer.
+class FileForm:
+    """One way to write a displacement.
 
     Attributes
     ----------
     suffixes : tuple of str
         What its files are called; the first is what messages name.
     write : callable
-        Writes the answer.
+        Writes the fields.
     """
 
     suffixes: tuple[str, ...]
-    write: Callable[[Path, Answer], None]
+    write: Callable[[Path, DisplacementFields], None]
 
 
-def form_of(path: str | Path, name: str | None = None) -> Form:
+def form_of(path: str | Path, name: str | None = None) -> FileForm:
     """Return the form that a file is written in.
 
     Parameters
     ----------
     path : path
-        Where the answer goes.
+        Where the displacement goes.
     name : str, optional
         A row of ``FORMS``; by default the first that has the file's suffix.
 
@@ -108,33 +108,33 @@ def form_of(path: str | Path, name: str | None = None) -> Form:
     )
 
 
-def _write_rest(path: Path, answer: Answer) -> None:
-    write_prediction(path, answer.mesh, answer.fields)
+def _write_rest(path: Path, fields: DisplacementFields) -> None:
+    write_prediction(path, fields.mesh, fields.fields)
 
 
-def _write_deformed(path: Path, answer: Answer) -> None:
-    write_deformed(path, answer.mesh, answer.displacement)
+def _write_deformed(path: Path, fields: DisplacementFields) -> None:
+    write_deformed(path, fields.mesh, fields.displacement)
 
 
-def _write_forward(path: Path, answer: Answer) -> None:
-    field = forward_field(answer.mesh, answer.displacement, answer.voxels)
+def _write_forward(path: Path, fields: DisplacementFields) -> None:
+    field = forward_field(fields.mesh, fields.displacement, fields.voxels)
     write_field(path, field, convention="ras")
 
 
-def _write_inverse(path: Path, answer: Answer) -> None:
-    write_field(path, inverse_field(answer.mesh, answer.displacement, answer.voxels))
+def _write_inverse(path: Path, fields: DisplacementFields) -> None:
+    write_field(path, inverse_field(fields.mesh, fields.displacement, fields.voxels))
 
 
-def _write_labels(path: Path, answer: Answer) -> None:
-    write_image(path, deformed_labels(answer.mesh, answer.displacement, answer.voxels))
+def _write_labels(path: Path, fields: DisplacementFields) -> None:
+    write_image(path, deformed_labels(fields.mesh, fields.displacement, fields.voxels))
 
 
 # Where two forms share a suffix, the first is what the name alone stands for.
-FORMS: Mapping[str, Form] = {
-    "rest": Form((".vtu",), _write_rest),
-    "deformed": Form((".vtp", ".vtu"), _write_deformed),
-    "transform": Form((".h5",), _write_inverse),
-    "field": Form(IMAGES, _write_forward),
-    "itk-field": Form(IMAGES, _write_inverse),
-    "labels": Form(IMAGES, _write_labels),
+FORMS: Mapping[str, FileForm] = {
+    "rest": FileForm((".vtu",), _write_rest),
+    "deformed": FileForm((".vtp", ".vtu"), _write_deformed),
+    "transform": FileForm((".h5",), _write_inverse),
+    "field": FileForm(IMAGES, _write_forward),
+    "itk-field": FileForm(IMAGES, _write_inverse),
+    "labels": FileForm(IMAGES, _write_labels),
 }

@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_file
+from physgnn.io.atomic import write_whole
 from physgnn.mechanics.loads import LoadCase
 
 PLACES = ("nodes", "points")
@@ -64,8 +64,7 @@ def read_load_case(
 def write_load_case(path: str | Path, case: LoadCase) -> None:
     """Write a load case by nodes; `read_load_case` gives it back exactly."""
     content = {"nodes": case.nodes.tolist(), FORCES: case.forces.tolist()}
-    with whole_file(Path(path)) as part:
-        part.write_text(json.dumps(content) + "\n", "utf-8")
+    write_whole(Path(path), json.dumps(content) + "\n")
 
 
 def _load_case(content: Any, mesh: TetMesh, snap_mm: float) -> LoadCase:

@@ -6,9 +6,7 @@ and ``force_n``, the nodal forces at that level. Field data ``load_factor`` says
 level's; without it the last level's is 1 and the others' follow from the forces.
 """
 
-import os
 import re
-import shutil
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -20,6 +18,7 @@ from numpy.typing import NDArray
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io.atomic import whole_folder
 from physgnn.io.simulation import Simulation, solution_of
 from physgnn.io.vtk_reader import read_vtk
 from physgnn.io.vtu import grid_of, mesh_of, save_grid
@@ -80,14 +79,10 @@ def write_series(folder: str | Path, simulation: Simulation) -> None:
     InputError
         If the folder exists already.
     """
-    folder = Path(folder)
-    if folder.exists():
-        raise InputError(f"{folder} exists already: name another folder")
     mesh = simulation.mesh.with_point_sets(fixed=simulation.fixed)
     solution = simulation.answer()
-    part = folder.with_name(f".{folder.name}.{os.getpid()}")
-    try:
-        part.mkdir(parents=True)
+    with whole_folder(Path(folder)) as part:
+        part.mkdir()
         for level in np.flatnonzero(solution.status == Status.CONVERGED).tolist():
             grid = grid_of(mesh)
             grid.point_data[DISPLACEMENT] = solution.displacement[level]
@@ -96,9 +91,6 @@ def write_series(folder: str | Path, simulation: Simulation) -> None:
                 grid.point_data[FORCE] = case.on_points(mesh.n_points)
             grid.field_data[FACTOR] = [simulation.load_path.load_factors[level]]
             save_grid(part / f"level-{level:04d}.vtu", grid)
-        part.rename(folder)
-    finally:
-        shutil.rmtree(part, ignore_errors=True)
 
 
 def _answer(files: list[Path], mesh: TetMesh, factors: FloatArray) -> Solution:
@@ -143,8 +135,10 @@ def _factors(files: list[Path], force: FloatArray) -> FloatArray:
     said = [_read(file, _load_factor) for file in files]
     if None not in said:
         return np.array(said, dtype=np.float64)
-    last = force[-1].ravel()
-    factors: FloatArray = force.reshape(len(force), -1) @ last / (last @ last)
+    along = force.reshape(len(force), -1) @ force[-1].ravel()
+    # Not by the last's own product with itself: that may differ by a rounding error,
+    # and the last factor is to be 1.
+    factors: FloatArray = along / along[-1]
     return factors
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
+from physgnn.io.atomic import write_whole
 from physgnn.learning.surrogate import Surrogate
 from physgnn.prediction.conformal import conformal_quantile
 from physgnn.prediction.indicators import Indicator
@@ -76,9 +77,7 @@ class Calibration:
 
     def write(self, path: Path) -> None:
         """Write as JSON, whole or not at all."""
-        part = path.with_name(path.name + ".part")
-        part.write_text(json.dumps(asdict(self), indent=1, allow_nan=False), "utf-8")
-        part.replace(path)
+        write_whole(path, json.dumps(asdict(self), indent=1, allow_nan=False))
 
     @classmethod
     def read(cls, path: Path) -> "Calibration":

@@ -7,9 +7,9 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.solution import Status
 from physgnn.prediction.prediction import ErrorEstimate, Prediction, PredictionStatus
+from physgnn.prediction.repair import SAFETY
 
 TOLERANCE_MM = 1e-3  # of a solve nobody gives a tolerance for
-SAFETY = 10.0  # the solver's own estimate must be so much below a given one
 
 
 class FiniteElementPredictor:

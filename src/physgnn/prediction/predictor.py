@@ -23,10 +23,7 @@ from physgnn.prediction.prediction import (
     PredictionStatus,
 )
 from physgnn.prediction.repair import (
-    UNSURE_BY,
-    UNSURE_FROM,
-    Start,
-    depth,
+    cautious_error,
     good_enough,
     repair,
     where_to_begin,
@@ -150,12 +147,18 @@ class Predictor:
             bounds = self._quick(load_case, displacement)
         else:
             relaxed = self.relax(load_case, displacement)
-            error = self._estimate(load_case, relaxed)
+            error = cautious_error(self.body, load_case, relaxed)
             bounds, likely = self._physical(load_case, displacement, error)
             if tolerance_mm is not None and not (
                 status.usable and good_enough(bounds, likely, tolerance_mm)
             ):
-                start = self._start(load_case, relaxed.displacement)
+                sound = self.surrogate.is_sound(load_case)
+                start = where_to_begin(
+                    self.surrogate.predict if sound else None,
+                    self.body,
+                    load_case,
+                    relaxed.displacement,
+                )
                 displacement, bounds, status = repair(
                     self._approach, load_case, start, tolerance_mm
                 )
@@ -165,7 +168,8 @@ class Predictor:
 
     def error(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
         """Return the physical estimate of a prediction's error, (n_points, 3), mm."""
-        return self._estimate(load_case, self.relax(load_case, displacement))
+        relaxed = self.relax(load_case, displacement)
+        return cautious_error(self.body, load_case, relaxed)
 
     def relax(self, load_case: LoadCase, displacement: FloatArray) -> Relaxation:
         """Take a few steps towards equilibrium: they tell a displacement's error."""
@@ -185,20 +189,6 @@ class Predictor:
         if self._indicator is None:
             raise InputError("the predictor is not calibrated: train its run again")
         return self._indicator(load_case, displacement)
-
-    def _estimate(self, load_case: LoadCase, relaxed: Relaxation) -> FloatArray:
-        """Return what relaxing tells of the error; more where others lie near.
-
-        It tells how far the nearest equilibrium is, which may not be the one meant.
-        """
-        sure = depth(self.body, load_case, relaxed.displacement) <= UNSURE_FROM
-        return relaxed.error if sure else UNSURE_BY * relaxed.error
-
-    def _start(self, load_case: LoadCase, displacement: FloatArray) -> Start:
-        if not self.surrogate.is_sound(load_case):
-            return Start(None, 0.0)
-        predict = self.surrogate.predict
-        return where_to_begin(predict, self.body, load_case, displacement)
 
     def _quick(
         self, load_case: LoadCase, displacement: FloatArray

@@ -1,4 +1,8 @@
-"""When an answer is good enough, and how one that is not is taken to equilibrium."""
+"""The policy of repairs: how far a displacement is trusted, and what follows if not.
+
+Everything that decides on a repair stands here: how much an estimate of the error is
+enlarged, what is good enough, what a repair begins at, and what its outcome is called.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,6 +14,7 @@ from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.near_loads import FEW
+from physgnn.mechanics.relaxation import Relaxation
 from physgnn.mechanics.solution import Status
 from physgnn.prediction.prediction import (
     ErrorEstimate,
@@ -73,8 +78,18 @@ def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
     return float((way / edges).max(initial=0.0))
 
 
+def cautious_error(body: Body, case: LoadCase, relaxed: Relaxation) -> FloatArray:
+    """Return the physical estimate of the error, (n_points, 3), mm.
+
+    Relaxation measures the distance to the nearest equilibrium. Where others lie near,
+    that may not be the one meant, so the estimate grows by `UNSURE_BY`.
+    """
+    sure = depth(body, case, relaxed.displacement) <= UNSURE_FROM
+    return relaxed.error if sure else UNSURE_BY * relaxed.error
+
+
 def where_to_begin(
-    predict: Callable[[LoadCase], FloatArray],
+    predict: Callable[[LoadCase], FloatArray] | None,
     body: Body,
     case: LoadCase,
     displacement: FloatArray,
@@ -83,13 +98,16 @@ def where_to_begin(
 
     Parameters
     ----------
-    predict : callable
-        Is asked for smaller shares.
+    predict : callable or None
+        Is asked for smaller shares; None if it is not to be trusted, and then the
+        repair begins at rest.
     body : Body
     case : LoadCase
     displacement : (n_points, 3) array
         The answer to the whole load, mm.
     """
+    if predict is None:
+        return Start(None, 0.0)
     share = 1.0
     for _ in range(MAX_TRIES):
         part = LoadCase(case.nodes, share * case.forces)

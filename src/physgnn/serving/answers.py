@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.geometry.regions import TUMOUR, region_name
 from physgnn.mechanics.loads import LoadCase
-from physgnn.prediction.prediction import Prediction
-from physgnn.serving.engine import FINITE_ELEMENTS, Engine
-from physgnn.serving.fields import FIELDS
+from physgnn.serving.engine import Engine
+from physgnn.serving.fields import FIELDS, SolvedLoad
 from physgnn.serving.frames import encode
 from physgnn.serving.messages import MAX_RADIUS_MM, Push
 from physgnn.serving.patch import Exposed, push
@@ -34,6 +34,7 @@ def scene_frame(engine: Engine) -> bytes:
         "kind": "scene",
         "title": viewed.title,
         "answers": list(viewed.answers),
+        "fields": {name: row.describe(viewed) for name, row in FIELDS.items()},
         "coverage": viewed.calibration.coverage if viewed.calibration else None,
         "n_points": viewed.body.mesh.n_points,
         "n_cells": viewed.body.mesh.n_cells,
@@ -51,24 +52,23 @@ def scene_frame(engine: Engine) -> bytes:
 
 
 def answer_frame(
-    engine: Engine,
-    message: Push,
-    answer: tuple[str, LoadCase, Prediction],
-    section: Section | None,
+    engine: Engine, message: Push, solved: SolvedLoad, section: Section | None
 ) -> bytes:
-    """Return one predictor's answer to a push, at the points drawn."""
-    name, case, prediction = answer
+    """Return one predictor's displacement under a push, at the points drawn."""
+    case, prediction = solved.case, solved.prediction
     displacement = prediction.displacement
     length = np.linalg.norm(displacement, axis=1)
     estimate, status = prediction.error_estimate_mm, prediction.status
     header = {
         "kind": "answer",
         "id": message.id,
-        "answer": name,
+        "answer": solved.by,
         "field": message.field,
         "status": str(status),
         "remedy": status.remedy,
-        "reasons": engine.viewed.reasons_outside(case) if name == "network" else [],
+        "reasons": engine.viewed.reasons_outside(case)
+        if solved.by == "network"
+        else [],
         "error": None
         if estimate is None
         else {
@@ -84,7 +84,8 @@ def answer_frame(
     arrays = {"displacement": displacement[engine.shown.nodes]}
     if section is not None:
         arrays["section_displacement"] = section.at(displacement)
-    field = _field(engine, message, answer)
+    measure = FIELDS[message.field].measure
+    field = None if measure is None else measure(engine.viewed, solved)
     if field is not None:
         arrays["field"] = field[engine.shown.nodes]
         if section is not None:
@@ -110,19 +111,6 @@ def section_frame(engine: Engine, axis: str, offset_mm: float, made: Section) ->
     return encode(header, arrays)
 
 
-def _field(
-    engine: Engine, message: Push, answer: tuple[str, LoadCase, Prediction]
-) -> FloatArray | None:
-    name, case, prediction = answer
-    if message.field not in FIELDS:
-        return None
-    if message.field == "error" and name == FINITE_ELEMENTS:
-        within = prediction.error_estimate_mm
-        size = len(prediction.displacement)
-        return None if within is None else np.full(size, within.max_mm)
-    return FIELDS[message.field](engine.viewed, name, case, prediction.displacement)
-
-
 def _tumour_shift(engine: Engine, displacement: FloatArray) -> float | None:
     """Return the mean displacement of the tumour's surface, as a length, mm."""
     nodes = _tumour_nodes(engine)
@@ -132,7 +120,7 @@ def _tumour_shift(engine: Engine, displacement: FloatArray) -> float | None:
 
 
 def _tumour_nodes(engine: Engine) -> NDArray[np.int64] | None:
-    faces = engine.shown.faces.get("tumour")
+    faces = engine.shown.faces.get(region_name(TUMOUR))
     return None if faces is None else engine.shown.nodes[np.unique(faces)]
 
 

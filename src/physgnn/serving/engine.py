@@ -11,12 +11,10 @@ import torch
 
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Prediction
-from physgnn.serving.image import Image
+from physgnn.serving.image import GreyVolume
 from physgnn.serving.refine import Refiner
 from physgnn.serving.shown import Shown
 from physgnn.serving.viewed import Viewed
-
-FINITE_ELEMENTS = "finite elements"
 
 WARM_UP = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.4, 1.8)  # of the usual force
 IDLE_SECONDS = 1.0  # warming up gives way to whoever pushes
@@ -34,7 +32,7 @@ class Engine:
     ----------
     viewed : Viewed
         What is on show.
-    image : Image, optional
+    image : GreyVolume, optional
         Preoperative image for sections.
 
     Attributes
@@ -43,7 +41,7 @@ class Engine:
         Each is told every answer's displacement and prediction, in the event loop.
     """
 
-    def __init__(self, viewed: Viewed, image: Image | None = None) -> None:
+    def __init__(self, viewed: Viewed, image: GreyVolume | None = None) -> None:
         self.viewed, self.image = viewed, image
         self.shown = Shown.of(viewed.body.mesh)
         self.listeners: list[Callable[[Prediction], None]] = []

@@ -13,7 +13,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class SampleGrid:
     """A box of voxels around a mesh.
 
     Attributes
@@ -47,7 +47,7 @@ class Grid:
         return inside.reshape(nz, ny, nx, -1)
 
 
-def grid_over(mesh: TetMesh, spacing_mm: float) -> Grid:
+def grid_over(mesh: TetMesh, spacing_mm: float) -> SampleGrid:
     """Return a grid that covers a mesh."""
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     shape = np.ceil((high - low) / spacing_mm).astype(int) + 1
@@ -55,7 +55,7 @@ def grid_over(mesh: TetMesh, spacing_mm: float) -> Grid:
     z, y, x = np.meshgrid(*axes[::-1], indexing="ij")
     centres = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     nx, ny, nz = shape.tolist()
-    return Grid((nx, ny, nz), low, spacing_mm, _weights(mesh, centres))
+    return SampleGrid((nx, ny, nz), low, spacing_mm, _weights(mesh, centres))
 
 
 def _weights(mesh: TetMesh, places: FloatArray) -> csr_array:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from physgnn.errors import InputError
 from physgnn.prediction.prediction import Prediction
 from physgnn.serving.engine import Engine
-from physgnn.serving.grid import Grid, grid_over
+from physgnn.serving.grid import SampleGrid, grid_over
 
 FloatArray = NDArray[np.float64]
 
@@ -122,7 +122,7 @@ async def _drained(reader: asyncio.StreamReader) -> None:
 
 
 def _pack(
-    engine: Engine, grid: Grid, surfaces: bool, displacement: FloatArray
+    engine: Engine, grid: SampleGrid, surfaces: bool, displacement: FloatArray
 ) -> bytes:
     pyigtl = _pyigtl()
     field = grid.at(displacement).astype(np.float32)

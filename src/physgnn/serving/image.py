@@ -20,7 +20,7 @@ WINDOW = (1.0, 99.5)  # percentiles of the non-zero voxels shown as black and wh
 
 
 @dataclass(frozen=True, eq=False)
-class Image:
+class GreyVolume:
     """A volume in world coordinates.
 
     Attributes
@@ -55,7 +55,7 @@ class Image:
         return grey
 
 
-def read_image(path: str | Path) -> Image:
+def read_image(path: str | Path) -> GreyVolume:
     """Read a NIfTI volume, or the bundled template for the name "mni152".
 
     Raises
@@ -75,7 +75,7 @@ def read_image(path: str | Path) -> Image:
     values = np.asarray(volume.dataobj, dtype=np.float32)
     if values.ndim != 3:
         raise InputError(f"{path} must have three dimensions (got {values.ndim})")
-    return Image(_windowed(values), np.linalg.inv(volume.affine))
+    return GreyVolume(_windowed(values), np.linalg.inv(volume.affine))
 
 
 def _windowed(values: NDArray[np.float32]) -> Bytes:

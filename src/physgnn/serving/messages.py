@@ -1,20 +1,46 @@
 """What a browser may say: every field checked, every mistake one line."""
 
+from collections.abc import Collection
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+)
+from pydantic_core import PydanticCustomError
 
 from physgnn.errors import InputError
+from physgnn.serving.fields import FIELDS
+from physgnn.serving.section import AXES
 
 MAX_BYTES = 4096
 MAX_FORCE_N = 1000.0
 MAX_RADIUS_MM = 200.0
 
+
+def _key_of(table: Collection[str]) -> AfterValidator:
+    """Return a check that a text is a key of a table, as the table is then."""
+
+    def check(name: str) -> str:
+        if name not in table:
+            known = " or ".join(f"'{key}'" for key in table)
+            raise PydanticCustomError(
+                "key", "Input should be {known}", {"known": known}
+            )
+        return name
+
+    return AfterValidator(check)
+
+
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Vector = tuple[Number, Number, Number]
-Answer = Literal["network", "linear"]
-FieldName = Literal["displacement", "error", "volume"]
-Axis = Literal["sagittal", "coronal", "axial"]
+PredictorName = Literal["network", "linear"]
+FieldName = Annotated[str, _key_of(FIELDS)]
+Axis = Annotated[str, _key_of(AXES)]
 
 
 class _Message(BaseModel):
@@ -37,7 +63,7 @@ class Push(_Message):
     answers : list of str
         Which predictors shall answer at once.
     field : str
-        Which scalar comes with the displacement.
+        Which scalar comes with the displacement: a row of `fields.FIELDS`.
     solve : bool
         Whether finite elements shall follow in the background.
     """
@@ -47,12 +73,12 @@ class Push(_Message):
     point: Vector
     force_n: Vector
     radius_mm: Annotated[Number, Field(gt=0, le=MAX_RADIUS_MM)]
-    answers: Annotated[list[Answer], Field(min_length=1, max_length=2)]
+    answers: Annotated[list[PredictorName], Field(min_length=1, max_length=2)]
     field: FieldName = "displacement"
     solve: bool = False
 
 
-class Section(_Message):
+class SectionPlane(_Message):
     """A plane to cut the brain with, or none.
 
     Attributes
@@ -74,11 +100,11 @@ class Release(_Message):
     type: Literal["release"] = "release"
 
 
-Message = Annotated[Push | Section | Release, Field(discriminator="type")]
-_READER: TypeAdapter[Push | Section | Release] = TypeAdapter(Message)
+Message = Annotated[Push | SectionPlane | Release, Field(discriminator="type")]
+_READER: TypeAdapter[Push | SectionPlane | Release] = TypeAdapter(Message)
 
 
-def read_message(content: str | bytes) -> Push | Section | Release:
+def read_message(content: str | bytes) -> Push | SectionPlane | Release:
     """Return a message from the browser.
 
     Raises

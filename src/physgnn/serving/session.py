@@ -13,10 +13,11 @@ from physgnn.serving.answers import (
     scene_frame,
     section_frame,
 )
-from physgnn.serving.engine import FINITE_ELEMENTS, Engine
-from physgnn.serving.messages import Push, Release, Section, read_message
-from physgnn.serving.section import Section as Cut
-from physgnn.serving.section import cut
+from physgnn.serving.engine import Engine
+from physgnn.serving.fields import SolvedLoad
+from physgnn.serving.messages import Push, Release, SectionPlane, read_message
+from physgnn.serving.section import Section, cut
+from physgnn.serving.viewed import FINITE_ELEMENTS
 
 SendText = Callable[[str], Awaitable[None]]
 SendBytes = Callable[[bytes], Awaitable[None]]
@@ -45,8 +46,8 @@ class Session:
         self._engine = engine
         self._send_text, self._send_bytes = send_text, send_bytes
         self._push: Push | None = None
-        self._plane: Section | None = None
-        self._cut: Cut | None = None
+        self._plane: SectionPlane | None = None
+        self._cut: Section | None = None
         self._changed = asyncio.Event()
         self._refinement: asyncio.Task[None] | None = None
 
@@ -64,8 +65,8 @@ class Session:
             answering.cancel()
             self._stop_refinement()
 
-    def _take(self, message: Push | Section | Release) -> None:
-        if isinstance(message, Section):
+    def _take(self, message: Push | SectionPlane | Release) -> None:
+        if isinstance(message, SectionPlane):
             self._plane = message
         else:
             self._stop_refinement()
@@ -86,7 +87,7 @@ class Session:
             except InputError as error:
                 await self._say(error, push)
 
-    async def _section(self, plane: Section) -> None:
+    async def _section(self, plane: SectionPlane) -> None:
         self._cut = None
         if plane.axis is None:
             return
@@ -111,8 +112,8 @@ class Session:
 
         def job() -> tuple[Prediction, bytes]:
             prediction = predict(case)
-            answer = (name, case, prediction)
-            return prediction, answer_frame(self._engine, push, answer, self._cut)
+            solved = SolvedLoad(name, case, prediction)
+            return prediction, answer_frame(self._engine, push, solved, self._cut)
 
         prediction, frame = await self._engine.work(job)
         if name == push.answers[0]:
@@ -125,9 +126,9 @@ class Session:
             await asyncio.sleep(REST_SECONDS)
             await self._send_text(json.dumps({"kind": "solving", "id": push.id}))
             prediction = await self._engine.solve(case)
-            answer = (FINITE_ELEMENTS, case, prediction)
+            solved = SolvedLoad(FINITE_ELEMENTS, case, prediction)
             frame = await self._engine.work(
-                lambda: answer_frame(self._engine, push, answer, self._cut)
+                lambda: answer_frame(self._engine, push, solved, self._cut)
             )
         except InputError as error:
             await self._say(error, push)

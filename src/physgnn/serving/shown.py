@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.geometry import TetMesh, boundary_faces
-
-REGIONS = {0: "brain", 1: "tumour", 2: "ventricle"}
+from physgnn.geometry.regions import BRAIN, region_name
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,11 +29,11 @@ class Shown:
     @classmethod
     def of(cls, mesh: TetMesh) -> "Shown":
         """Return the outer surface and that of every region inside."""
-        surfaces = {"brain": boundary_faces(mesh)}
+        surfaces = {region_name(BRAIN): boundary_faces(mesh)}
         for label in np.unique(mesh.region[mesh.region > 0]).tolist():
             inside = mesh.region == label
             part = TetMesh(mesh.points, mesh.cells[inside], mesh.region[inside])
-            surfaces[REGIONS.get(label, f"region {label}")] = boundary_faces(part)
+            surfaces[region_name(label)] = boundary_faces(part)
         nodes = np.unique(np.concatenate([f.ravel() for f in surfaces.values()]))
         return cls(
             nodes.astype(np.int64),

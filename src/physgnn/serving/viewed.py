@@ -23,6 +23,7 @@ from physgnn.prediction.predictor import Predictor
 from physgnn.serving.patch import Exposed
 
 DEFAULT_FORCE_N = 4.0
+FINITE_ELEMENTS = "finite elements"  # what their solution is called on the page
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 from physgnn.dataset import Split, Store, named_split
 from physgnn.errors import InputError
 from physgnn.evaluation.ablation_chart import Point, draw_ablation
-from physgnn.io.atomic import whole_file
+from physgnn.io.atomic import write_whole
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.progress import Progress
@@ -189,5 +189,4 @@ def _read(folder: Path, budget: Ablation) -> dict[str, Any]:
 
 def _write(folder: Path, budget: Ablation, losses: Mapping[str, float]) -> None:
     record = {"budget": asdict(budget), "losses": losses}
-    with whole_file(folder / RESULTS) as part:
-        part.write_text(json.dumps(record, indent=2) + "\n", "utf-8")
+    write_whole(folder / RESULTS, json.dumps(record, indent=2) + "\n")

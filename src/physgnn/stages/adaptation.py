@@ -57,8 +57,8 @@ def adapt_run(
     from physgnn.learning.checkpoint import RECORD, Checkpoint
     from physgnn.mechanics.body import Body
     from physgnn.prediction.calibration import Calibration
-    from physgnn.prediction.family import on_new_loads
     from physgnn.prediction.predictor import CALIBRATION_FILE, RELAXATION_FILE
+    from physgnn.prediction.run_calibration import on_new_loads
     from physgnn.prediction.trained_range import TrainedRange
 
     run, out = Path(run), Path(out)

@@ -16,6 +16,7 @@ from physgnn import stages
 from physgnn.dataset import Preset
 from physgnn.geometry import mni152_phantom
 from physgnn.io import read_mesh, write_mesh
+from physgnn.io.atomic import whole_file
 from physgnn.progress import Progress
 
 if TYPE_CHECKING:
@@ -188,7 +189,6 @@ class Pipeline:
                 command=recipe.command,
                 progress=progress,
             )
-        part = self.report.with_name(f"{REPORT}.part")
-        shutil.copyfile(made / REPORT, part)
-        part.replace(self.report)
+        with whole_file(self.report) as part:
+            shutil.copyfile(made / REPORT, part)
         return errors

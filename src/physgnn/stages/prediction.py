@@ -48,7 +48,7 @@ def predict(
         If a file cannot be used, or the answer not be written so.
     """
     from physgnn.io import read_load_case
-    from physgnn.io.answer_files import Answer, form_of
+    from physgnn.io.answer_files import DisplacementFields, form_of
     from physgnn.io.nifti import read_image
     from physgnn.learning.models import build_model
     from physgnn.prediction.predictor import Predictor
@@ -64,5 +64,5 @@ def predict(
         solution = build_model("linear", body)
         fields["linear_displacement_mm"] = solution.predict(case)
     fields["force_n"] = case.on_points(body.mesh.n_points)
-    write(Path(out), Answer(body.mesh, fields, grid))
+    write(Path(out), DisplacementFields(body.mesh, fields, grid))
     return prediction

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from physgnn.errors import InputError
 from physgnn.geometry.point_pairs import PointPairs
+from physgnn.geometry.regions import REGIONS
 from physgnn.geometry.surface_points import SurfacePoints
 from physgnn.io import read_mesh
-from physgnn.io.answer_files import Answer, form_of
+from physgnn.io.answer_files import DisplacementFields, form_of
 from physgnn.io.markups import read_point_pairs
 from physgnn.io.measured_surface import read_surface_points
 from physgnn.io.nifti import read_image
@@ -20,8 +21,7 @@ if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need
     from physgnn.prediction.registration import Registration
 
 DEFAULT_MATERIALS: Mapping[int, Material] = {
-    region: TISSUES[name].material
-    for region, name in enumerate(("brain", "tumour", "ventricle"))
+    region: TISSUES[name].material for region, name in enumerate(REGIONS)
 }
 
 
@@ -85,5 +85,5 @@ def register(
         "deviation_mm": found.deviation_mm,
         "force_n": found.forces,
     }
-    write(Path(out), Answer(case, fields, grid))
+    write(Path(out), DisplacementFields(case, fields, grid))
     return found

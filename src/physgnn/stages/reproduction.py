@@ -14,6 +14,7 @@ from physgnn.dataset import Store
 from physgnn.errors import InputError
 from physgnn.geometry import Surface, mni152_phantom
 from physgnn.io import read_mesh, read_surface, write_mesh
+from physgnn.io.atomic import write_whole
 from physgnn.progress import Progress
 
 if TYPE_CHECKING:
@@ -131,14 +132,14 @@ def reproduce(what: Reproduction, folder: str | Path, *, show: Show, log: Log) -
         summary(report, folder / f"run-{split}", what.loads)
         for split, report in reports.items()
     )
-    (folder / "reproduction.md").write_text(text + "\n", "utf-8")
+    write_whole(folder / "reproduction.md", text + "\n")
     return text
 
 
 def summary(report: "Report", run: Path, preset: str) -> str:
     """Return our figures beside the published ones, and what they cost, as Markdown."""
     from physgnn.evaluation.formats import duration
-    from physgnn.evaluation.published_tables import extremes_table, protocol_table
+    from physgnn.evaluation.published import extremes_table, protocol_table
 
     model, facts = report.models[-1], report.facts
     spent = json.loads((run / "run.json").read_text())["training"]

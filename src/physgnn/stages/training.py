@@ -46,8 +46,7 @@ def train(
     from physgnn.learning.checkpoint import Checkpoint
     from physgnn.learning.training import is_first_process
     from physgnn.learning.training import train as train_model
-    from physgnn.prediction.family import calibrate_family
-    from physgnn.prediction.run_calibration import calibrate_run
+    from physgnn.prediction.run_calibration import calibrate_family, calibrate_run
 
     if start is not None:
         options["start"] = begun = Checkpoint.load(start)

@@ -1,7 +1,7 @@
 // One brain on show: outer surface, what is inside, a section, and the force's arrow.
 
 import * as THREE from "three";
-import { paint } from "./colours.js";
+import { FIELDS, paint } from "./colours.js";
 import { sectionGeometry, sectionMaterial } from "./section.js";
 import { Surface } from "./surface.js";
 import { setPlane, tissue } from "./tissue.js";
@@ -55,7 +55,7 @@ export class BodyView {
 
   /** The scalar at the points in a field's units; null where there is none. */
   scalars(field) {
-    return field === "displacement" ? lengths(this.displacement, this.count) : this.values;
+    return FIELDS[field].sent ? this.values : lengths(this.displacement, this.count);
   }
 
   /** Where a place of the surface at rest is now: by its three nearest points. */
@@ -89,8 +89,8 @@ export class BodyView {
     this.brain.recolour();
     if (!this.section) return;
     const n = this.section.geometry.attributes.rest.count;
-    const known = field === "displacement"
-      ? lengths(this.fits(this.sectionDisplacement, 3 * n), n) : this.fits(this.sectionValues, n);
+    const known = FIELDS[field].sent ? this.fits(this.sectionValues, n)
+      : lengths(this.fits(this.sectionDisplacement, 3 * n), n);
     const painted = this.section.geometry.attributes.colour;
     paint(field, known, range, painted.array);
     painted.needsUpdate = true;

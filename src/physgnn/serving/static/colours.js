@@ -1,22 +1,16 @@
-// The fields a surface can be coloured by: maps, ranges and legends.
+// The scalars a surface can be coloured by: maps, ranges and legends.
 
 export const TISSUE = [0.83, 0.79, 0.75];
 
-// Each map starts from the tissue's own colour, so that what does not move stays calm.
-export const FIELDS = {
-  displacement: {
-    label: "Displacement", title: "Displacement, mm", centre: 0, least: 1,
-    stops: ["#d4cac0", "#f0c878", "#ea8a3c", "#cf4446", "#7c2250"],
-  },
-  error: {
-    label: "Error", title: "Estimated error, mm", centre: 0, least: 0.01,
-    stops: ["#d4cac0", "#a9cbd6", "#5f9dcb", "#3f62b0", "#2c2a6e"],
-  },
-  volume: {
-    label: "det F", title: "det F: volume ratio", centre: 1, least: 0.02, diverging: true,
-    stops: ["#2a5fa8", "#86b2d8", "#d4cac0", "#e39b76", "#a8323a"],
-  },
-};
+/** Rows by name, as the server sends them with the scene (physgnn/serving/fields.py). */
+export const FIELDS = {};
+const RGB = {};
+
+export function setFields(rows) {
+  for (const known of [FIELDS, RGB]) for (const name of Object.keys(known)) delete known[name];
+  Object.assign(FIELDS, rows);
+  for (const [name, { stops }] of Object.entries(rows)) RGB[name] = stops.map(fromHex);
+}
 
 export function fromHex(hex) {
   return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
@@ -28,10 +22,6 @@ function interpolate(stops, t, out, at) {
   const i = Math.min(Math.floor(x), stops.length - 2);
   for (let k = 0; k < 3; k++) out[at + k] = stops[i][k] + (x - i) * (stops[i + 1][k] - stops[i][k]);
 }
-
-const RGB = Object.fromEntries(
-  Object.entries(FIELDS).map(([name, field]) => [name, field.stops.map(fromHex)]),
-);
 
 /** The next round number at or above a size. */
 function nice(size) {

@@ -8,7 +8,7 @@ const STEP_MM = 6;
 const FACTOR = 1.1;
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
-/** `actions` has changeForce(factor), changeRadius(factor) and fields (a list of names). */
+/** `actions` has changeForce(factor), changeRadius(factor) and fields(), the names to colour by. */
 export function listen(stage, load, actions) {
   const keys = {
     Enter: () => load.pushMiddle(),
@@ -25,14 +25,18 @@ export function listen(stage, load, actions) {
     f: () => $("solve").click(),
     c: () => $("compare").click(),
   };
-  actions.fields.forEach((name, i) => { keys[i + 1] = () => choose("fields", name); });
   stage.canvas.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const act = event.key in ARROWS ? () => steer(event) : keys[event.key] ?? keys[event.key.toLowerCase()];
+    const act = event.key in ARROWS ? () => steer(event)
+      : keys[event.key] ?? keys[event.key.toLowerCase()] ?? colourBy(actions.fields()[event.key - 1]);
     if (!act) return;
     event.preventDefault();
     act();
   });
+
+  function colourBy(name) {
+    return name && (() => choose("fields", name));
+  }
 
   function steer(event) {
     if (!load.point) return load.pushMiddle();

@@ -1,7 +1,7 @@
 // The page: what is chosen, what is asked of the server, what is shown of its answers.
 
 import * as THREE from "three";
-import { FIELDS, rangeOf } from "./colours.js";
+import { FIELDS, rangeOf, setFields } from "./colours.js";
 import { keepLoadCase, keepPicture } from "./keep.js";
 import { listen } from "./keys.js";
 import { Link } from "./link.js";
@@ -17,7 +17,7 @@ const LABEL_PX = 72; // room for the force beside its arrow
 const PATIENCE_MS = 80; // an answer draws the load too; later than this it is drawn alone
 const COLOURS = { calm: 0x45c3a6, outside: 0xf0a843 };
 
-const chosen = { answer: "network", field: "displacement", solve: false, compare: false, axis: "none" };
+const chosen = { answer: "network", field: null, solve: false, compare: false, axis: "none" };
 const answers = new Map(); // name → {header, arrays} of the load as it is now
 let scene = null;
 let sectionFrame = null;
@@ -29,7 +29,7 @@ const stage = new Stage($("canvas"), $("letters"));
 const load = new Load(loadChanged);
 new Touch(stage, load, () => load.tail);
 listen(stage, load, {
-  fields: Object.keys(FIELDS),
+  fields: () => Object.keys(FIELDS),
   changeForce: (factor) => { load.newton = Math.min(load.newton * factor, load.maxNewton); loadChanged(); },
   changeRadius: (factor) => {
     load.radius = Math.min(Math.max(load.radius * factor, 1), scene.max_radius_mm);
@@ -44,6 +44,8 @@ stage.onDrawn = placeForceLabel;
 function onScene(header, arrays) {
   scene = header;
   chosen.answer = header.answers[0];
+  setFields(header.fields);
+  if (!FIELDS[chosen.field]?.available) [chosen.field] = Object.keys(FIELDS);
   $("title").textContent = header.title;
   $("subtitle").textContent = `${header.n_points.toLocaleString("en")} points, ${header.n_cells.toLocaleString("en")} cells`;
   stage.load(header, arrays);
@@ -241,9 +243,8 @@ function fillChoices() {
     answers.clear();
     if (load.point) ask();
   });
-  const calibrated = scene.coverage !== null;
   panel.choices("fields",
-    Object.entries(FIELDS).map(([name, { label }]) => [name, label, name !== "error" || calibrated]),
+    Object.entries(FIELDS).map(([name, { label, available }]) => [name, label, available]),
     chosen.field, (name) => {
       chosen.field = name;
       if (load.point) ask();
