@@ -1,11 +1,8 @@
 """The stencil, against fields whose mean and gradient are known."""
 
-import itertools
-
 import numpy as np
 import torch
 
-from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.mesh_gradient import Stencil, edge_lengths
 
@@ -45,12 +42,3 @@ def test_backward_agrees_with_finite_differences(block: TetMesh) -> None:
     double = Stencil(stencil.matrix.double(), stencil.transposed.double())
     x = torch.randn(1, block.n_points, 1, dtype=torch.float64, requires_grad=True)
     assert torch.autograd.gradcheck(double, x)
-
-
-def test_points_within_counts_edges(block: TetMesh) -> None:
-    start = np.array([0])
-    reached = [points_within(block, start, n) for n in range(4)]
-    assert reached[0].sum() == 1
-    cells = block.cells[(block.cells == 0).any(axis=1)]
-    assert set(np.flatnonzero(reached[1])) == set(np.unique(cells))
-    assert all((a <= b).all() for a, b in itertools.pairwise(reached))

@@ -16,7 +16,6 @@ from physgnn.learning.reduced import ReducedModel
 from physgnn.learning.training import train as train_model
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.load_distance import LoadDistance, farthest
 from physgnn.mechanics.loads import LoadCase, LoadPath
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState
@@ -124,23 +123,6 @@ def test_the_order_of_points_does_not_matter(block: TetMesh) -> None:
         ReducedModel(body_of(shuffled)), LoadCase(place[case.nodes], case.forces)
     )
     np.testing.assert_allclose(mixed, u[order], atol=1e-5)
-
-
-def test_distances_are_those_of_energy(block: TetMesh) -> None:
-    nodes = block.point_set("loaded")[:3]
-    forces = np.random.default_rng(0).normal(size=(2, 3, 3)) * 1e-2
-    fields = np.zeros((2, block.n_points, 3))
-    fields[:, nodes] = forces
-    apart = fields[0] - fields[1]
-    work = (apart * RestState(Body(block, MATERIALS)).solve(apart)).sum()
-    x = LoadDistance(body_of(block), nodes).coordinates(forces)
-    assert np.linalg.norm(x[0] - x[1]) == pytest.approx(np.sqrt(work), rel=1e-6)
-
-
-def test_the_farthest_come_first_and_none_twice() -> None:
-    points = np.array([[1.0, 0], [3, 0], [3, 0], [0, 2], [2.9, 0]])
-    assert farthest(points, 3).tolist() == [1, 3, 0]
-    assert len(farthest(points, 10)) == 4
 
 
 @pytest.mark.parametrize(

@@ -96,12 +96,13 @@ def test_what_learns_nothing_needs_nothing(
     assert method.applies_to(store, nothing, split.test) == expected
 
 
-def test_every_network_is_warmed_up_by_loads_it_can_answer(
+def test_it_is_warmed_up_by_loads_it_can_answer(
     name: str, store: Store, split: Split
 ) -> None:
     surrogate = fitted(name, store, split)
     for case in surrogate.warm_up_cases():
         case.check_against(store.mesh, store.fixed)
+        assert np.isfinite(surrogate.predict(case)).all()
 
 
 def test_no_module_but_the_table_names_a_methods_class() -> None:

@@ -49,7 +49,11 @@ def evaluate(
         Path | None, typer.Option(help="Dataset; by default the one trained on.")
     ] = None,
     baselines: Annotated[
-        str, typer.Option(help="quick, all, or names with commas between.")
+        str,
+        typer.Option(
+            help="quick, all, or names of methods with commas between, module:Class "
+            "of your own too."
+        ),
     ] = "quick",
     tolerance_mm: Annotated[
         float | None, typer.Option(help="Add a row that repairs what exceeds this.")

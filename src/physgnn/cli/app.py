@@ -195,7 +195,11 @@ def train(
         Path | None, typer.Option(help="TOML with training settings.")
     ] = None,
     model: Annotated[
-        str | None, typer.Option(help="physgnn, lifted, reduced, galerkin.")
+        str | None,
+        typer.Option(
+            help="physgnn, lifted, reduced, galerkin, pod_network, extra_trees, "
+            "nodal_network, linear, zero, …; or module:Class, a method of your own."
+        ),
     ] = None,
     configuration: Annotated[
         int | None, typer.Option(help="1 to 12, of the published network.")

@@ -92,7 +92,8 @@ class ReducedModel(Surrogate):
     def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Choose the anchors: each time the sample farthest from those chosen."""
         del seed
-        self.states[:], self.loads[:] = 0.0, 0.0
+        self.states = np.zeros_like(self.states)
+        self.loads = np.zeros_like(self.loads)
         for i, (path, level) in enumerate(self._far_apart(store, samples).tolist()):
             case = store.load_case(path, level)
             self.loads[i] = case.on_points(self.body.mesh.n_points)

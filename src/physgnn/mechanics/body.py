@@ -19,6 +19,7 @@ from physgnn.mechanics.assembly import Pattern, make_pattern
 from physgnn.mechanics.element import (
     DEFAULT_ELEMENT,
     Elements,
+    check_materials,
     checked_element,
     make_elements,
 )
@@ -54,8 +55,8 @@ class Body:
     Raises
     ------
     InputError
-        If a region has no material, the element is unknown, a fixed point is not in
-        the mesh, or there are fewer than three.
+        If a region has no material, a law or the element is unknown, a fixed point is
+        not in the mesh, or there are fewer than three.
     """
 
     mesh: TetMesh
@@ -73,11 +74,11 @@ class Body:
         element: str = DEFAULT_ELEMENT,
         factors: Path | None = None,
     ) -> None:
-        _check_regions(mesh, materials)
+        check_materials(mesh, materials)
         for name, value in (
             ("mesh", mesh),
             ("materials", materials),
-            ("fixed", fixed_points(mesh, fixed)),
+            ("fixed", _indices(mesh, fixed)),
             ("element", checked_element(element)),
             ("factors", factors),
         ):
@@ -115,16 +116,7 @@ def _restored(
     return Body(mesh, materials, fixed, element=element, factors=factors)
 
 
-def _check_regions(mesh: TetMesh, materials: Mapping[int, Material]) -> None:
-    missing = sorted(set(np.unique(mesh.region).tolist()) - set(materials))
-    if missing:
-        raise InputError(
-            f"region {missing[0]} has no material (materials are given for "
-            f"{sorted(materials)})"
-        )
-
-
-def fixed_points(mesh: TetMesh, fixed: str | IntArray) -> IntArray:
+def _indices(mesh: TetMesh, fixed: str | IntArray) -> IntArray:
     """Return the fixed points' indices, sorted; InputError if they cannot serve."""
     points = mesh.point_set(fixed) if isinstance(fixed, str) else np.asarray(fixed)
     points = np.unique(points).astype(np.int64)

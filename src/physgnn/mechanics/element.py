@@ -68,6 +68,18 @@ def checked_element(element: str) -> str:
     return element
 
 
+def check_materials(mesh: TetMesh, materials: Mapping[int, Material]) -> None:
+    """Raise InputError if a region has no material, or one whose law is not ours."""
+    missing = sorted(set(np.unique(mesh.region).tolist()) - set(materials))
+    if missing:
+        raise InputError(
+            f"region {missing[0]} has no material (materials are given for "
+            f"{sorted(materials)})"
+        )
+    for material in materials.values():
+        law_index(material)
+
+
 def make_elements(
     mesh: TetMesh, materials: Mapping[int, Material], element: str = DEFAULT_ELEMENT
 ) -> Elements:
@@ -83,15 +95,10 @@ def make_elements(
     Raises
     ------
     InputError
-        If a region of the mesh has no material or the element is unknown.
+        If a region of the mesh has no material, or element or law is unknown.
     """
     checked_element(element)
-    missing = sorted(set(np.unique(mesh.region).tolist()) - set(materials))
-    if missing:
-        raise InputError(
-            f"region {missing[0]} has no material (materials are given for "
-            f"{sorted(materials)})"
-        )
+    check_materials(mesh, materials)
     law = np.zeros(mesh.n_cells, dtype=np.int64)
     constants = np.zeros((mesh.n_cells, MAX_CONSTANTS))
     for label, material in materials.items():

@@ -1,6 +1,6 @@
 """The baseline that shows what a split gives away."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,6 +105,10 @@ class LevelInterpolation(Surrogate):
         self._factors, self._path = arrays["factors"], arrays["path"]
         self._forces = arrays["forces"]
         self._known = arrays["displacement"].__getitem__
+
+    def warm_up_cases(self) -> Iterator[LoadCase]:
+        """Yield nothing: there is nothing to warm up, and other loads are refused."""
+        return iter(())
 
     @classmethod
     def applies_to(cls, store: Store, train: IntArray, test: IntArray) -> bool:
