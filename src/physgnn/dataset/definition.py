@@ -9,6 +9,7 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 
+from physgnn import choices
 from physgnn.dataset import layout
 from physgnn.dataset.load_records import distinct, to_record
 from physgnn.dataset.result_rows import result_arrays
@@ -20,7 +21,7 @@ from physgnn.mechanics.materials import Material
 from physgnn.mechanics.materials.table import material_to_config
 from physgnn.mechanics.solver import SolverOptions
 
-DEFAULT_ELEMENT = "tet4"
+DEFAULT_ELEMENT = choices.Element.TET4
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,13 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from physgnn import choices
 from physgnn.errors import InputError
-from physgnn.learning.losses import LOSSES
 from physgnn.learning.models import MODELS
-from physgnn.learning.precision import PRECISIONS
-
-SCHEDULE_NAMES = ("plateau", "cosine")
-CLOCK_NAMES = ("wall", "processor")
 
 
 @dataclass(frozen=True)
@@ -79,14 +75,13 @@ class TrainingConfig:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name, choices in (
-            ("model", MODELS), ("loss", LOSSES), ("schedule", SCHEDULE_NAMES),
-            ("precision", PRECISIONS),
-            ("clock", CLOCK_NAMES),
+        for name, allowed in (
+            ("model", MODELS), ("loss", choices.Loss), ("schedule", choices.Schedule),
+            ("precision", choices.Precision), ("clock", choices.Clock),
         ):  # fmt: skip
-            if getattr(self, name) not in choices:
+            if getattr(self, name) not in allowed:
                 raise InputError(
-                    f"{name} must be one of {', '.join(choices)} "
+                    f"{name} must be one of {', '.join(allowed)} "
                     f"(got {getattr(self, name)})"
                 )
         for name in (

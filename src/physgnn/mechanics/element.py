@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from physgnn.choices import Element
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.averaging import (
@@ -25,7 +26,7 @@ from physgnn.mechanics.materials.table import LAW_INDEX, MAX_CONSTANTS, Material
 
 FloatArray = NDArray[np.float64]
 
-ELEMENTS = ("tet4", "tet4-averaged")
+ELEMENTS = tuple(Element)
 NO_PRESSURE = np.empty(0)
 
 

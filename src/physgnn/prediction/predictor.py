@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from physgnn import choices
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.interface import Body, Model
@@ -45,7 +46,6 @@ from physgnn.prediction.repair import (
 
 CALIBRATION_FILE = "calibration.json"
 RELAXATION_FILE = "calibration-relaxation.json"
-ESTIMATES = ("quick", "physical")
 
 
 class Predictor:
@@ -173,7 +173,7 @@ class Predictor:
             bound is above it, or they promise nothing, the answer is taken to the
             finite-element equilibrium.
         estimate : str
-            Row of `ESTIMATES`: "quick" bounds the error within milliseconds,
+            One of `physgnn.choices.Estimate`: "quick" bounds the error within milliseconds,
             "physical" says how large it seems, and bounds it more sharply, by a few
             steps of the solver.
 
@@ -187,9 +187,9 @@ class Predictor:
         load_case.check_against(self.body.mesh, self.body.fixed)
         if tolerance_mm is not None and not tolerance_mm > 0:
             raise InputError(f"tolerance_mm must be > 0 (got {tolerance_mm})")
-        if estimate not in ESTIMATES:
+        if estimate not in choices.Estimate:
             raise InputError(
-                f"estimate must be one of {', '.join(ESTIMATES)} (got {estimate})"
+                f"estimate must be one of {', '.join(choices.Estimate)} (got {estimate})"
             )
         displacement, status = self.answer(load_case), self._status(load_case)
         bounds, likely = None, None
