@@ -80,7 +80,7 @@ class Device(StrEnum):
 
 
 class Estimate(StrEnum):
-    """How the error of a prediction is estimated: see `physgnn.prediction.Predictor`."""
+    """How the error of a prediction is estimated by `physgnn.prediction.Predictor`."""
 
     PHYSICAL = "physical"
     QUICK = "quick"

@@ -57,10 +57,16 @@ HALF_SPACE = (
         (SPHERE.replace("= 1", '= "big"'), "radius_mm .* must be float"),
         (SPHERE.replace("= 1", "= nan"), "finite"),
         (SPHERE.replace("[0, 0, 0]", "[0, 0]"), "centre_mm .* must be a list of 3 num"),
-        (SPHERE.replace("0, 0]", '0, "x"]'), "centre_mm .* must be a list of 3 numbers"),
+        (
+            SPHERE.replace("0, 0]", '0, "x"]'),
+            "centre_mm .* must be a list of 3 numbers",
+        ),
         (SPHERE.replace("0, 0]", "0, inf]"), "3 finite numbers"),
         (HALF_SPACE.replace('"<"', '"=="'), "keep must be one of <, <=, >, >="),
-        (HALF_SPACE.replace("[0, 0]", "[0, 0, 0]"), "rotation_deg .* list of 2 numbers"),
+        (
+            HALF_SPACE.replace("[0, 0]", "[0, 0, 0]"),
+            "rotation_deg .* list of 2 numbers",
+        ),
         ('kind = "nearest"\npoint_mm = [0, 0, 0]\ncount = 0', "count must be"),
         ('kind = "nearest"\npoint_mm = [0, 0, 0]\ncount = 2.5', "count .* must be int"),
         ('kind = "union"\nof = []', "one rule or more"),

@@ -63,7 +63,9 @@ def test_mistakes(table: object, message: str) -> None:
 
 def test_a_key_chooses_among_rows_and_mistakes_are_placed() -> None:
     kind = dict[str, tuple[variants("kind", {"mixed": Mixed, "bare": Bare}), ...]]  # type: ignore[misc]
-    found = read_as(kind, {"a": [{"kind": "bare"}, {"kind": "mixed", "name": "n"}]}, "f")
+    found = read_as(
+        kind, {"a": [{"kind": "bare"}, {"kind": "mixed", "name": "n"}]}, "f"
+    )
     assert found == {"a": (Bare(), Mixed("n"))}
     for table, message in (
         ({"kind": "cube"}, r"\[\[a\]\] number 1 in f needs kind = one of mixed, bare"),

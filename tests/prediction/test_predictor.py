@@ -11,6 +11,7 @@ from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.interface import Body
 from physgnn.learning.models import build_model
+from physgnn.learning.run_folder import RunFolder
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.calibration import RELAXATION, calibrate
 from physgnn.prediction.finite_element import FiniteElementPredictor
@@ -18,8 +19,6 @@ from physgnn.prediction.indicators import INDICATORS
 from physgnn.prediction.linear import linear_answer
 from physgnn.prediction.prediction import PredictionStatus
 from physgnn.prediction.predictor import (
-    CALIBRATION_FILE,
-    RELAXATION_FILE,
     Predictor,
 )
 from physgnn.prediction.repair import UNSURE_BY
@@ -163,8 +162,8 @@ def test_run_folder_round_trip(
     np.testing.assert_allclose(before(case).displacement, expected, atol=1e-6)
     assert before(case).error_estimate_mm is None
     calibrated = calibrate_run(tmp_path, store, Split("path", *parts))
-    assert (tmp_path / CALIBRATION_FILE).is_file()
-    assert (tmp_path / RELAXATION_FILE).is_file()
+    assert RunFolder(tmp_path).calibration.is_file()
+    assert RunFolder(tmp_path).relaxation.is_file()
     after = Predictor.load(tmp_path)
     assert after.calibration == calibrated
     assert after(case).error_estimate_mm is not None

@@ -16,10 +16,12 @@ def _nested(table: Any) -> Rule:
 
 
 Nested = Annotated[Any, BeforeValidator(_nested)]
-RULE = variants(
+RULE: Any = variants(
     "kind", RULES, types={Rule: Nested, tuple[Rule, ...]: tuple[Nested, ...]}
 )
 """The table of one rule: ``kind`` and the fields of that row of ``RULES``."""
+RULES_BY_NAME: Any = dict[str, RULE]
+"""The tables ``[point_sets.<name>]``."""
 
 
 def read_point_sets(path: str | Path) -> dict[str, Rule]:
@@ -31,5 +33,5 @@ def read_point_sets(path: str | Path) -> dict[str, Rule]:
         If the file cannot be read, or a rule is wrong.
     """
     tables = read_toml(path).get("point_sets", {})
-    rules: dict[str, Rule] = read_as(dict[str, RULE], tables, path, at=("point_sets",))
+    rules: dict[str, Rule] = read_as(RULES_BY_NAME, tables, path, at=("point_sets",))
     return rules

@@ -39,11 +39,17 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, Field, PositiveInt, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    PositiveInt,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from physgnn.config.materials import MATERIALS, region_of
-from physgnn.config.point_sets import RULE
+from physgnn.config.point_sets import RULES_BY_NAME
 from physgnn.config.tables import Table, read_as, read_toml, variants
 from physgnn.dataset.definition import DEFAULT_ELEMENT
 from physgnn.dataset.load_rules import (
@@ -130,14 +136,16 @@ class Simulation(Table):
     """The whole file."""
 
     element: Annotated[str, AfterValidator(_element)] = DEFAULT_ELEMENT
-    remove_region: Annotated[str | int, AfterValidator(region_of)] | None = None
-    point_sets: dict[str, RULE] = {}  # type: ignore[valid-type]
-    materials: MATERIALS = {}
+    remove_region: Annotated[int, BeforeValidator(region_of)] | None = None
+    point_sets: RULES_BY_NAME = Field(default_factory=dict)
+    materials: MATERIALS = Field(default_factory=dict)
     loads: Loads
 
     @model_validator(mode="after")
     def _uses_its_point_sets(self) -> Self:
-        acted_on = [r.points for r in self.loads.more if isinstance(r, PressureOn | Shift)]
+        acted_on = [
+            r.points for r in self.loads.more if isinstance(r, PressureOn | Shift)
+        ]
         known = list(dict.fromkeys([*POINT_SETS, *acted_on]))
         for name in self.point_sets:
             if name not in known:

@@ -66,7 +66,8 @@ class Table(BaseModel):
         for key in table if isinstance(table, Mapping) else ():
             if key not in known:
                 near = "".join(
-                    f", did you mean '{word}'?" for word in get_close_matches(key, known, 1)
+                    f", did you mean '{word}'?"
+                    for word in get_close_matches(key, known, 1)
                 )
                 told = {"key": key, "near": near, "known": ", ".join(known)}
                 raise PydanticCustomError("unknown_key", "{key}", told)
@@ -222,7 +223,8 @@ def _line(error: ErrorDetails, file: str, at: Place) -> str:
     of_value = f"{key} in {inside}" if key and isinstance(loc[-1], str) else here
     match error["type"]:
         case "unknown_key":
-            return f"unknown key '{ctx['key']}' in {here}{ctx['near']} (its keys: {ctx['known']})"
+            told = f"unknown key '{ctx['key']}' in {here}{ctx['near']}"
+            return f"{told} (its keys: {ctx['known']})"
         case "missing":
             return f"{inside} needs the key '{key}'"
         case "lacks_key":

@@ -9,11 +9,12 @@ from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.budget import Budget
-from physgnn.learning.checkpoint import RECORD, Checkpoint
+from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.interface import Body, Model
 from physgnn.learning.losses import LOSSES
 from physgnn.learning.model_card import write_model_card
 from physgnn.learning.models import build_model
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.run_record import new_record, with_result
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.progress import Progress
@@ -48,7 +49,7 @@ def fit(
             f"(got {len(stores)})"
         )
     store, split, run = stores[0], splits[0], Path(run)
-    if (run / RECORD).exists():
+    if RunFolder(run).record.exists():
         raise InputError(f"{run} holds a run already: name another folder")
     run.mkdir(parents=True, exist_ok=True)
     budget = Budget(config)

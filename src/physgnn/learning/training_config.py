@@ -79,7 +79,7 @@ class TrainingConfig:
             ("model", MODELS), ("loss", choices.Loss), ("schedule", choices.Schedule),
             ("precision", choices.Precision), ("clock", choices.Clock),
         ):  # fmt: skip
-            if getattr(self, name) not in allowed:
+            if getattr(self, name) not in [*allowed]:
                 raise InputError(
                     f"{name} must be one of {', '.join(allowed)} "
                     f"(got {getattr(self, name)})"

@@ -12,6 +12,7 @@ from physgnn.learning.adaptation import adapt
 from physgnn.learning.anchors import sample_forces
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.interface import Body
+from physgnn.learning.run_folder import RunFolder
 from physgnn.prediction.calibration import (
     COVERAGES,
     Calibration,
@@ -86,7 +87,7 @@ def calibrate_family(
         calibration = from_scores(
             kind.indicator, np.concatenate(found), patients, loads, coverages
         )
-        calibration.write(Path(run) / kind.file)
+        calibration.write(kind.file(RunFolder(Path(run))))
         made.append(calibration)
     return made[0]
 

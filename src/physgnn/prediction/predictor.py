@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from physgnn import choices
+from physgnn.choices import Estimate
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.interface import Body, Model
 from physgnn.learning.precision import set_precision
+from physgnn.learning.run_folder import RunFolder
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.known_states import NearestKnown
 from physgnn.mechanics.loads import LoadCase
@@ -43,9 +44,6 @@ from physgnn.prediction.repair import (
     repair,
     where_to_begin,
 )
-
-CALIBRATION_FILE = "calibration.json"
-RELAXATION_FILE = "calibration-relaxation.json"
 
 
 class Predictor:
@@ -122,17 +120,17 @@ class Predictor:
             If the folder holds no checkpoint, or one of another version, or the model
             has nothing that the precision would change.
         """
-        run = Path(run)
+        files = RunFolder(Path(run))
         model = Checkpoint.load(run).model
         set_precision(model, precision)
         predictor = cls.of(
             model,
             device=device,
-            calibration=_read_if_there(run / CALIBRATION_FILE),
-            relaxation=_read_if_there(run / RELAXATION_FILE),
+            calibration=_read_if_there(files.calibration),
+            relaxation=_read_if_there(files.relaxation),
         )
         for case in first_cases(model) if warm else ():
-            predictor(case)
+            predictor(case, estimate=Estimate.QUICK)
         return predictor
 
     @classmethod
@@ -160,7 +158,7 @@ class Predictor:
         load_case: LoadCase,
         *,
         tolerance_mm: float | None = None,
-        estimate: str = "quick",
+        estimate: str = Estimate.PHYSICAL,
     ) -> Prediction:
         """Return the displacement under a load case.
 
@@ -173,9 +171,9 @@ class Predictor:
             bound is above it, or they promise nothing, the answer is taken to the
             finite-element equilibrium.
         estimate : str
-            One of `physgnn.choices.Estimate`: "quick" bounds the error within milliseconds,
-            "physical" says how large it seems, and bounds it more sharply, by a few
-            steps of the solver.
+            One of `physgnn.choices.Estimate`: "physical" says how large the error
+            seems, and bounds it sharply, by a few steps of the solver; "quick" bounds
+            it more coarsely within milliseconds.
 
         Raises
         ------
@@ -187,13 +185,13 @@ class Predictor:
         load_case.check_against(self.body.mesh, self.body.fixed)
         if tolerance_mm is not None and not tolerance_mm > 0:
             raise InputError(f"tolerance_mm must be > 0 (got {tolerance_mm})")
-        if estimate not in choices.Estimate:
+        if estimate not in [*Estimate]:
             raise InputError(
-                f"estimate must be one of {', '.join(choices.Estimate)} (got {estimate})"
+                f"estimate must be one of {', '.join(Estimate)} (got {estimate})"
             )
         displacement, status = self.answer(load_case), self._status(load_case)
         bounds, likely = None, None
-        if estimate == "quick" and tolerance_mm is None:
+        if estimate == Estimate.QUICK and tolerance_mm is None:
             bounds = self._quick(load_case, displacement)
         else:
             relaxed = self.relax(load_case, displacement)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
+from physgnn.learning.run_folder import RunFolder
 from physgnn.prediction.calibration import (
     COVERAGES,
     RELAXATION,
@@ -14,7 +15,7 @@ from physgnn.prediction.calibration import (
     thinned,
 )
 from physgnn.prediction.indicators import INDICATORS, Indicator
-from physgnn.prediction.predictor import CALIBRATION_FILE, RELAXATION_FILE, Predictor
+from physgnn.prediction.predictor import Predictor
 from physgnn.progress import Progress
 
 
@@ -24,8 +25,8 @@ class Kind:
 
     Attributes
     ----------
-    file : str
-        Where a run keeps its calibration.
+    file : callable
+        From a run folder to where it keeps its calibration.
     indicator : str
         What is scaled.
     measure : callable
@@ -34,7 +35,7 @@ class Kind:
         Samples to calibrate on, at most.
     """
 
-    file: str
+    file: Callable[[RunFolder], Path]
     indicator: str
     measure: Callable[[Predictor], Indicator]
     most: int
@@ -44,10 +45,15 @@ def kinds_of_bounds(indicator: str) -> tuple[Kind, ...]:
     """Return the quick bounds, by a row of `INDICATORS`, and the sharper ones."""
     quick = INDICATORS[indicator]
     return (
-        Kind(CALIBRATION_FILE, indicator, lambda p: quick(p.body, p.linear), 10_000),
+        Kind(
+            lambda run: run.calibration,
+            indicator,
+            lambda p: quick(p.body, p.linear),
+            10_000,
+        ),
         # A sample of these costs about ten of the quick ones, and what counts is how
         # many load paths they come from.
-        Kind(RELAXATION_FILE, RELAXATION, lambda p: p.error, 150),
+        Kind(lambda run: run.relaxation, RELAXATION, lambda p: p.error, 150),
     )
 
 
@@ -91,6 +97,6 @@ def calibrate_run(
             coverages=coverages,
             progress=progress,
         )
-        calibration.write(Path(run) / kind.file)
+        calibration.write(kind.file(RunFolder(Path(run))))
         made.append(calibration)
     return made[0]

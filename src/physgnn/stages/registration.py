@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from physgnn.config import read_materials
 from physgnn.errors import InputError
 from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.surface_points import SurfacePoints
@@ -31,10 +32,11 @@ def register(
     points: str | Path | None = None,
     target: str | Path | None = None,
     surface: str | Path | None = None,
+    noise_mm: float = 1.0,
+    skull: str = "fixed",
+    materials: str | Path | None = None,
     form: str | None = None,
     image: str | Path | None = None,
-    noise_mm: float = 1.0,
-    **body: Any,
 ) -> "Registration":
     """Find the displacement of a whole brain from what was measured of its surface.
 
@@ -49,14 +51,15 @@ def register(
     surface : path
         Instead of these, where the exposed surface lies now: see
         `physgnn.io.measured_surface.read_surface_points`.
-    form, image
-        See `physgnn.stages.predict`.
     noise_mm : float
         Standard deviation of each coordinate measured.
-    **body
-        ``materials`` (by region; by default the tissues of the published work: only
-        ratios of stiffness matter), ``fixed``, ``skull`` and ``element`` of
-        `physgnn.prediction.registration.Registrar`.
+    skull : str
+        How the skull holds the brain: see `physgnn.prediction.registration.Registrar`.
+    materials : path, optional
+        TOML with ``[materials.<region>]`` tables; by default the tissues of the
+        published work. Only ratios of stiffness matter.
+    form, image
+        See `physgnn.stages.predict`.
 
     Raises
     ------
@@ -74,8 +77,9 @@ def register(
     else:
         raise InputError("give --points (and --target), or --surface")
     case = read_mesh(mesh)
-    materials = {**DEFAULT_MATERIALS, **body.pop("materials", {})}
-    found = Registrar(case, materials, **body)(measured, noise_mm=noise_mm)
+    given = {} if materials is None else read_materials(materials)
+    registrar = Registrar(case, {**DEFAULT_MATERIALS, **given}, skull=skull)
+    found = registrar(measured, noise_mm=noise_mm)
     fields = {
         "displacement_mm": found.prediction.displacement,
         "deviation_mm": found.deviation_mm,
