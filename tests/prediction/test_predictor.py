@@ -191,12 +191,14 @@ def test_the_physical_estimate_is_near_and_its_bound_holds(
     assert np.mean(held) >= 0.6  # promised 0.8 on average, on 4 paths of 3 levels
 
 
-def test_quick_estimates_say_nothing_of_the_likely_error(
+def test_only_the_physical_estimate_says_how_large_the_error_likely_is(
     store: Store, predictor: Predictor
 ) -> None:
-    assert predictor(store.load_case(0, 0)).likely_error_mm is None
+    case = store.load_case(0, 0)
+    assert predictor(case, estimate="quick").likely_error_mm is None
+    assert predictor(case).likely_error_mm is not None
 
 
 def test_unknown_estimate(store: Store, predictor: Predictor) -> None:
-    with pytest.raises(InputError, match="must be one of quick, physical"):
+    with pytest.raises(InputError, match="must be one of physical, quick"):
         predictor(store.load_case(0, 0), estimate="guess")

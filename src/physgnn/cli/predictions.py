@@ -35,8 +35,8 @@ def evaluate(
         str,
         typer.Option(
             help="Compare with these: quick, all, or names with commas between. The "
-            "names are zero, linear, level_interpolation, nearest, pod_kernel_ridge, "
-            "pod_network, random_forest, galerkin and reduced."
+            "names are zero, linear, level_interpolation, pod_network, extra_trees, "
+            "nodal_network, galerkin and reduced."
         ),
     ] = "quick",
     tolerance_mm: Annotated[

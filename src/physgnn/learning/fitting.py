@@ -35,7 +35,7 @@ def fit(
     Parameters
     ----------
     stores, splits, config, run, progress
-        As of `physgnn.learning.train`, but for one dataset only; of the configuration
+        As of `physgnn.learning.training.train`, but for one dataset only; of the configuration
         model, options and loss count.
 
     Raises
