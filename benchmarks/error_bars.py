@@ -17,15 +17,12 @@ from held_out import Log, lengths, spread
 from physgnn.dataset import Store, named_split
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.lifted import LiftedModel, body_axes
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.kinematics import deformation_gradient
 from physgnn.prediction.calibration import FLOOR_MM, Calibration
 from physgnn.prediction.indicators import INDICATORS
-from physgnn.prediction.predictor import (
-    CALIBRATION_FILE,
-    RELAXATION_FILE,
-    Predictor,
-)
+from physgnn.prediction.predictor import Predictor
 from tables import machine, table
 
 GROUPS = ((1, 5), (6, 10), (11, 15), (16, 20), (21, 25), (26, 30))
@@ -182,7 +179,7 @@ def main() -> None:
             predictor = Predictor(expansion(options.run))
         measure(predictor, store, missing, log, end)
     report(log.of("error"))
-    files = [options.run / name for name in (CALIBRATION_FILE, RELAXATION_FILE)]
+    files = RunFolder(options.run).calibrations
     made = [Calibration.read(file) for file in files if file.is_file()]
     report_bounds(log.of("error"), {each.indicator: each for each in made})
 

@@ -13,10 +13,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from physgnn.dataset import SPLITS, Split, Store
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.run_record import processor_minutes
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
-from physgnn.prediction.predictor import CALIBRATION_FILE
 from physgnn.prediction.run_calibration import calibrate_run
 
 THINNED = 8  # every eighth validation sample: validating costs more than this budget
@@ -64,9 +64,9 @@ def settings(model: str, store: Store) -> TrainingConfig:
 
 
 def finish(store: Store, split: Split, config: TrainingConfig, run: Path) -> None:
-    if (run / CALIBRATION_FILE).exists():
+    if RunFolder(run).calibration.exists():
         return
-    resume = (run / "last.ckpt").exists()
+    resume = RunFolder(run).state.exists()
     checkpoint = train(store, split, config, run, resume=resume)
     calibrate_run(run, store, split)
     result = checkpoint.record["training"]

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import pyvista as pv
 
-from physgnn import stages
 from physgnn.config import read_preset, read_training
 from physgnn.dataset import PRESETS, Store, verification_of
 from physgnn.geometry import Surface, TetMesh, tetrahedralize
+from physgnn.stages.simulation import simulate_mesh
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 # Without forces the one path has the loads of [[loads.more]] alone.
@@ -44,7 +44,7 @@ def test_every_example_is_tested() -> None:
 @pytest.mark.parametrize("name", BEYOND_FORCES)
 def test_more_than_forces(name: str, ball: TetMesh, tmp_path: Path) -> None:
     preset = read_preset(EXAMPLES / f"{name}.toml")
-    store, did = stages.simulate(ball, preset, tmp_path / "s.zarr")
+    store, did = simulate_mesh(ball, preset, tmp_path / "s.zarr")
     assert not did.errors
     assert (store.status == 0).all()
     assert verification_of(store).largest_mm < 1e-4

@@ -1,7 +1,8 @@
 """Real-time prediction of brain deformation: FE, graph neural networks, error bars.
 
-The names a user needs are here; each is imported when first asked for, so that
-``import physgnn`` costs nothing and the mechanics run without torch.
+The names a user needs are here, the commands among them as functions; each is imported
+when first asked for, so that ``import physgnn`` costs nothing and the mechanics run
+without torch.
 """
 
 from importlib import import_module
@@ -32,6 +33,23 @@ if TYPE_CHECKING:
     from physgnn.mechanics import solve as solve
     from physgnn.prediction import Prediction as Prediction
     from physgnn.prediction import Predictor as Predictor
+    from physgnn.stages import ablate as ablate
+    from physgnn.stages import adapt as adapt
+    from physgnn.stages import anatomies as anatomies
+    from physgnn.stages import bundle as bundle
+    from physgnn.stages import demo as demo
+    from physgnn.stages import evaluate as evaluate
+    from physgnn.stages import export as export
+    from physgnn.stages import import_results as import_results
+    from physgnn.stages import mesh as mesh
+    from physgnn.stages import predict as predict
+    from physgnn.stages import published as published
+    from physgnn.stages import register as register
+    from physgnn.stages import reproduce as reproduce
+    from physgnn.stages import simulate as simulate
+    from physgnn.stages import train as train
+    from physgnn.stages import view as view
+    from physgnn.stages import warp as warp
 
 _HOME = {
     "InputError": "errors",
@@ -57,6 +75,24 @@ _HOME = {
     "load_published": "learning.published",
     "Prediction": "prediction",
     "Predictor": "prediction",
+    # the commands: what they take and give is in files
+    "ablate": "stages",
+    "adapt": "stages",
+    "anatomies": "stages",
+    "bundle": "stages",
+    "demo": "stages",
+    "evaluate": "stages",
+    "export": "stages",
+    "import_results": "stages",
+    "mesh": "stages",
+    "predict": "stages",
+    "published": "stages",
+    "register": "stages",
+    "reproduce": "stages",
+    "simulate": "stages",
+    "train": "stages",
+    "view": "stages",
+    "warp": "stages",
 }
 
 __all__ = sorted(_HOME)

@@ -74,7 +74,7 @@ def test_point_sets_alone(tmp_path: Path) -> None:
     [
         (
             ("[loads]", "[load]"),
-            r"unknown key 'load' in .* element, remove_region, point_sets, mat",
+            r"unknown key 'load' in .*'loads'.* element, remove_region, point_sets",
         ),
         (
             ("cone_deg", "cone_degrees"),
@@ -83,11 +83,14 @@ def test_point_sets_alone(tmp_path: Path) -> None:
         (("total_force_n = 0.02", ""), "needs the key 'total_force_n'"),
         (("paths = 7", "paths = 7.5"), r"paths in \[loads\].* must be int \(got 7.5\)"),
         (("paths = 7", "paths = true"), "paths .* must be int"),
-        (("paths = 7", "paths = 0"), "paths must be > 0"),
+        (("paths = 7", "paths = 0"), "paths in .* must be > 0"),
         (("= 0.02", '= "strong"'), "total_force_n .* must be float"),
         (("[point_sets.loaded]", "[point_sets.laoded]"), "unknown key 'laoded'"),
         (("[materials.tumour]", "[materials.tumor]"), "unknown region 'tumor'.*brain"),
-        (("poissons_ratio = 0.4", "nu = 0.4"), "takes youngs_modulus_pa, poissons"),
+        (
+            ("poissons_ratio = 0.4", "nu = 0.4"),
+            "unknown key 'nu' in .*materials.tumour.*youngs_modulus_pa, poiss",
+        ),
         (("poissons_ratio = 0.4", "poissons_ratio = 0.5"), r"in \(-1, 0.5\)"),
         (('kind = "nearest"', 'kind = "closest"'), "kind = one of half_space"),
         (("count = 4", "number = 4"), "unknown key 'number'"),
@@ -107,7 +110,7 @@ def test_no_file(tmp_path: Path) -> None:
     (tmp_path / "latin.toml").write_bytes(b"[loads] # \xe9\n")
     with pytest.raises(InputError, match="is not a TOML file"):
         read_preset(tmp_path / "latin.toml")
-    with pytest.raises(InputError, match=r"needs a table \[loads\]"):
+    with pytest.raises(InputError, match="needs the key 'loads'"):
         read_preset(write(tmp_path, ""))
 
 
@@ -185,7 +188,7 @@ def test_more_loads_beside_forces(tmp_path: Path, block: TetMesh) -> None:
         (('"tet4-averaged"', '"hex8"'), "element must be one of tet4, tet4-averaged"),
         (("remove_region = 1", 'remove_region = "skull"'), "unknown region 'skull'"),
         (("levels = 2", "levels = 2\ncone_deg = 9"), "needs the key 'total_force_n'"),
-        (("levels = 2", "levels = 0"), "levels must be > 0"),
+        (("levels = 2", "levels = 0"), "levels in .* must be > 0"),
         (("[[loads.more]]", "[loads.more]"), "TOML|must be tables"),
         (('"pressure"', '"suction"'), r"number 1 .* kind = one of pressure, gravity"),
         (("pressure_pa = 20", "pressure = 20"), "'pressure' .* points, pressure_pa"),
@@ -199,12 +202,12 @@ def test_more_loads_beside_forces(tmp_path: Path, block: TetMesh) -> None:
             r"'csf_level_mm' in .*number 2.*fluid_lev",
         ),
         (('"measured.csv"', "7"), "file .* must be str"),
-        (('"brain-ogden"', '"liver"'), "tissue = one of brain, tumour"),
+        (('"brain-ogden"', '"liver"'), "tissue .* must be one of brain, tumour"),
         (('"brain-ogden"', '"brain"\npoissons_ratio = 0.3'), r"its keys: tissue"),
         (('law = "ogden"', 'law = "fung"'), "law = one of neo-hookean, mooney"),
         (("exponents = [2, -4]", "exponents = 2"), "exponents .* list of numbers"),
         (("exponents = [2, -4]", "exponents = [2]"), r"pairs \(got 2 and 1"),
-        (("exponents = [2, -4]\n", ""), "takes coefficients_pa, exponents, bulk"),
+        (("exponents = [2, -4]\n", ""), "needs the key 'exponents'"),
     ],
 )
 def test_mistakes_beyond_forces(

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import febio_stand_in
-from physgnn import stages
 from physgnn.dataset import Preset, Store, generate, verification_of
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.load_paths import equal_levels
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import NeoHookean
+from physgnn.stages.simulation import simulate_mesh
 
 
 def push(_: TetMesh, loaded: np.ndarray) -> list[LoadPath]:
@@ -24,14 +24,14 @@ PRESET = Preset({0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}, push)
 
 def test_febio(block: TetMesh, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     febio_stand_in.put_on_path(tmp_path / "bin", monkeypatch)
-    store, did = stages.simulate(block, PRESET, tmp_path / "f.zarr", solver="febio")
+    store, did = simulate_mesh(block, PRESET, tmp_path / "f.zarr", solver="febio")
     assert (did.solved, did.errors) == (1, {})
     assert store.provenance["solver"] == "febio"
-    ours, _ = stages.simulate(block, PRESET, tmp_path / "o.zarr")
+    ours, _ = simulate_mesh(block, PRESET, tmp_path / "o.zarr")
     assert np.allclose(store.displacement(0), ours.displacement(0), rtol=1e-6)
     assert 0 < verification_of(store).largest_mm < 1e-4
     with pytest.raises(InputError, match="was begun with --solver febio: go on with"):
-        stages.simulate(block, PRESET, store.path)
+        simulate_mesh(block, PRESET, store.path)
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_refusals_leave_no_store(
 ) -> None:
     monkeypatch.setenv("PATH", "/nowhere")
     with pytest.raises(InputError, match=message):
-        stages.simulate(block, PRESET, tmp_path / "s.zarr", solver=solver, workers=2)
+        simulate_mesh(block, PRESET, tmp_path / "s.zarr", solver=solver, workers=2)
     assert list(tmp_path.iterdir()) == []
 
 

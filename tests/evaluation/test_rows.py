@@ -8,14 +8,15 @@ import pytest
 
 from physgnn.errors import InputError
 from physgnn.evaluation.rows import certified, run_rows
-from physgnn.learning.checkpoint import CASE, FORMAT_VERSION, RECORD, WEIGHTS
+from physgnn.learning.checkpoint import FORMAT_VERSION
+from physgnn.learning.run_folder import RunFolder
 
 
 def fake_run(folder: Path, seed: int, *, split: str = "a", **config: Any) -> Path:
     """A run folder as far as its row goes."""
     folder.mkdir()
-    (folder / WEIGHTS).write_bytes(bytes([seed]))
-    (folder / CASE).write_text("")
+    RunFolder(folder).weights.write_bytes(bytes([seed]))
+    RunFolder(folder).case.write_text("")
     record = {
         "format_version": FORMAT_VERSION,
         "config": {"model": "lifted", "width": 8, "seed": seed, **config},
@@ -23,7 +24,7 @@ def fake_run(folder: Path, seed: int, *, split: str = "a", **config: Any) -> Pat
         "data": {"hash": "d"},
         "training": {"minutes": 2.5},
     }
-    (folder / RECORD).write_text(json.dumps(record))
+    RunFolder(folder).record.write_text(json.dumps(record))
     return folder
 
 

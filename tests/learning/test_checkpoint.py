@@ -10,9 +10,10 @@ from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh
-from physgnn.learning.checkpoint import CASE, RECORD, WEIGHTS, Checkpoint
+from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.graph import graph_of
 from physgnn.learning.models import build_model
+from physgnn.learning.run_folder import RunFolder
 
 CONFIG = {"model": "physgnn", "options": {"width": 8}}
 
@@ -47,19 +48,19 @@ def test_leaves_no_unfinished_file(checkpoint: Checkpoint, tmp_path: Path) -> No
     checkpoint.save(tmp_path)
     checkpoint.save(tmp_path)
     files = {file.name for file in tmp_path.iterdir() if file.suffix != ".zarr"}
-    assert files == {WEIGHTS, RECORD, CASE}
+    assert files == {"weights.safetensors", "run.json", "case.vtu"}
 
 
 def test_refuses_another_mesh(checkpoint: Checkpoint, tmp_path: Path) -> None:
     checkpoint.save(tmp_path)
     mesh = checkpoint.body.mesh
     moved = TetMesh(mesh.points + 1.0, mesh.cells, mesh.region, mesh.point_sets)
-    write_mesh(tmp_path / CASE, moved)
+    write_mesh(RunFolder(tmp_path).case, moved)
     with pytest.raises(InputError, match="another mesh"):
         Checkpoint.load(tmp_path)
 
 
-@pytest.mark.parametrize("name", [WEIGHTS, RECORD, CASE])
+@pytest.mark.parametrize("name", ["weights.safetensors", "run.json", "case.vtu"])
 def test_refuses_a_folder_without_one_of_its_files(
     checkpoint: Checkpoint, tmp_path: Path, name: str
 ) -> None:
@@ -73,14 +74,14 @@ def test_refuses_damage_and_other_versions(
     checkpoint: Checkpoint, tmp_path: Path
 ) -> None:
     checkpoint.save(tmp_path)
-    weights = (tmp_path / WEIGHTS).read_bytes()
-    (tmp_path / WEIGHTS).write_bytes(weights[: len(weights) // 2])
+    weights = RunFolder(tmp_path).weights.read_bytes()
+    RunFolder(tmp_path).weights.write_bytes(weights[: len(weights) // 2])
     with pytest.raises(InputError, match="doesn't hold the weights"):
         Checkpoint.load(tmp_path)
-    record = json.loads((tmp_path / RECORD).read_text())
-    (tmp_path / RECORD).write_text(json.dumps({**record, "format_version": 99}))
+    record = json.loads(RunFolder(tmp_path).record.read_text())
+    RunFolder(tmp_path).record.write_text(json.dumps({**record, "format_version": 99}))
     with pytest.raises(InputError, match="version 99"):
         Checkpoint.load(tmp_path)
-    (tmp_path / RECORD).write_text("{")
+    RunFolder(tmp_path).record.write_text("{")
     with pytest.raises(InputError, match="damaged"):
         Checkpoint.load(tmp_path)

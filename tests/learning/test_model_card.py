@@ -2,7 +2,8 @@ from pathlib import Path
 
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
-from physgnn.learning.model_card import CARD, write_model_card
+from physgnn.learning.model_card import write_model_card
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
 
@@ -10,7 +11,7 @@ from physgnn.learning.training_config import TrainingConfig
 def test_a_run_says_what_it_is(store: Store, split: Split, tmp_path: Path) -> None:
     config = TrainingConfig(options={"width": 8}, max_epochs=1)
     train(store, split, config, tmp_path / "run")
-    card = (tmp_path / "run" / CARD).read_text()
+    card = RunFolder(tmp_path / "run").model_card.read_text()
     for part in ("Data", "Split", "Training", "Errors", "Limits"):
         assert f"\n## {part}\n" in card
     assert store.content_hash() in card
@@ -19,6 +20,6 @@ def test_a_run_says_what_it_is(store: Store, split: Split, tmp_path: Path) -> No
     assert "Not evaluated yet" in card
 
     write_model_card(tmp_path / "run", errors="| mean |")
-    card = (tmp_path / "run" / CARD).read_text()
+    card = RunFolder(tmp_path / "run").model_card.read_text()
     assert "| mean |" in card
     assert "Not evaluated yet" not in card

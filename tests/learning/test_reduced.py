@@ -21,7 +21,7 @@ from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solver import SolverOptions, solve
 from physgnn.prediction.predictor import Predictor
-from physgnn.stages.training import train
+from physgnn.stages.training import train_run as train
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 PUSH = np.array([[2e-2, 1e-2, -4e-2]])

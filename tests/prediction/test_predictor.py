@@ -12,6 +12,7 @@ from physgnn.learning.baselines.linear import Linear
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.graph import graph_of
 from physgnn.learning.models import build_model
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
@@ -20,8 +21,6 @@ from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.indicators import INDICATORS
 from physgnn.prediction.prediction import PredictionStatus
 from physgnn.prediction.predictor import (
-    CALIBRATION_FILE,
-    RELAXATION_FILE,
     Predictor,
 )
 from physgnn.prediction.repair import UNSURE_BY
@@ -169,8 +168,8 @@ def test_run_folder_round_trip(
     np.testing.assert_allclose(before(case).displacement, expected, atol=1e-6)
     assert before(case).error_estimate_mm is None
     calibrated = calibrate_run(tmp_path, store, Split("path", *parts))
-    assert (tmp_path / CALIBRATION_FILE).is_file()
-    assert (tmp_path / RELAXATION_FILE).is_file()
+    assert RunFolder(tmp_path).calibration.is_file()
+    assert RunFolder(tmp_path).relaxation.is_file()
     after = Predictor.load(tmp_path)
     assert after.calibration == calibrated
     assert after(case).error_estimate_mm is not None
@@ -198,12 +197,14 @@ def test_the_physical_estimate_is_near_and_its_bound_holds(
     assert np.mean(held) >= 0.6  # promised 0.8 on average, on 4 paths of 3 levels
 
 
-def test_quick_estimates_say_nothing_of_the_likely_error(
+def test_only_the_physical_estimate_says_how_large_the_error_likely_is(
     store: Store, predictor: Predictor
 ) -> None:
-    assert predictor(store.load_case(0, 0)).likely_error_mm is None
+    case = store.load_case(0, 0)
+    assert predictor(case, estimate="quick").likely_error_mm is None
+    assert predictor(case).likely_error_mm is not None
 
 
 def test_unknown_estimate(store: Store, predictor: Predictor) -> None:
-    with pytest.raises(InputError, match="must be one of quick, physical"):
+    with pytest.raises(InputError, match="must be one of physical, quick"):
         predictor(store.load_case(0, 0), estimate="guess")

@@ -8,19 +8,20 @@ import numpy as np
 import pytest
 
 from meshes import block_mesh
-from physgnn import stages
 from physgnn.dataset import Preset, Store
 from physgnn.dataset.split_meshes import split_meshes
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.checkpoint import read_record
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.mechanics.load_paths import traction_paths
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.prediction import PredictionStatus, Predictor
 from physgnn.prediction.calibration import Calibration
-from physgnn.prediction.predictor import CALIBRATION_FILE, RELAXATION_FILE
 from physgnn.stages.adaptation import adapt_run
+from physgnn.stages.simulation import simulate_mesh
+from physgnn.stages.training import train_run
 
 PRESET = Preset(
     {0: NeoHookean(3000.0, 0.4), 1: NeoHookean(7500.0, 0.4)},
@@ -46,16 +47,16 @@ def family(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("family")
     paths = [folder / f"{k}.zarr" for k in range(4)]
     for path, stretch in zip(paths, (0.8, 1.7, 2.0, 2.4), strict=True):
-        stages.simulate(patient(stretch), PRESET, path)
-    stages.train(paths, None, CONFIG, folder / "run")
+        simulate_mesh(patient(stretch), PRESET, path)
+    train_run(paths, None, CONFIG, folder / "run")
     return folder
 
 
 def test_bounds_come_from_the_patients_held_out(family: Path) -> None:
     stores = [Store.open(path) for path in sorted(family.glob("*.zarr"))]
     held_out = [split for split in split_meshes(stores) if len(split.validation)]
-    for file in (CALIBRATION_FILE, RELAXATION_FILE):
-        calibration = Calibration.read(family / "run" / file)
+    for file in RunFolder(family / "run").calibrations:
+        calibration = Calibration.read(file)
         n = calibration.n_paths
         assert n == len(held_out) == 1
         assert calibration.coverage == pytest.approx(n / (n + 1))
@@ -71,7 +72,7 @@ def test_a_new_patient_has_answers_and_bounds_at_once(
     made = adapt_run(family / "run", mesh, PRESET, tmp_path / "new")
     assert made.n_points == mesh.n_points
     predictor = Predictor.load(tmp_path / "new")
-    store, _ = stages.simulate(mesh, PRESET, tmp_path / "truth.zarr")
+    store, _ = simulate_mesh(mesh, PRESET, tmp_path / "truth.zarr")
     for path, level in store.samples():
         case = store.load_case(path, level)
         prediction = predictor(case)
@@ -92,16 +93,16 @@ def test_a_new_patient_has_answers_and_bounds_at_once(
 def test_a_network_of_one_patient_has_no_bounds_for_another(
     family: Path, tmp_path: Path
 ) -> None:
-    stages.train(family / "0.zarr", None, CONFIG, tmp_path / "own")
+    train_run(family / "0.zarr", None, CONFIG, tmp_path / "own")
     made = adapt_run(tmp_path / "own", patient(1.5), PRESET, tmp_path / "new")
     assert made.coverage is None
-    assert not (tmp_path / "new" / CALIBRATION_FILE).exists()
+    assert not RunFolder(tmp_path / "new").calibration.exists()
 
 
 def test_training_goes_on_from_the_family(family: Path, tmp_path: Path) -> None:
     run = tmp_path / "tuned"
     config = replace(CONFIG, options={}, max_epochs=1)
-    tuned = stages.train(family / "0.zarr", None, config, run, start=family / "run")
+    tuned = train_run(family / "0.zarr", None, config, run, start=family / "run")
     assert tuned.record["config"]["options"].items() >= dict(CONFIG.options).items()
     assert len(tuned.record["data"]["meshes"]) == 4
     assert Predictor.load(run).calibration is not None
@@ -110,4 +111,4 @@ def test_training_goes_on_from_the_family(family: Path, tmp_path: Path) -> None:
 def test_several_datasets_have_one_split_only(family: Path, tmp_path: Path) -> None:
     paths = sorted(family.glob("*.zarr"))
     with pytest.raises(InputError, match="split mesh only"):
-        stages.train(paths, "path", CONFIG, tmp_path / "run")
+        train_run(paths, "path", CONFIG, tmp_path / "run")

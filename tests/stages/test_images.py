@@ -14,7 +14,7 @@ from physgnn.io.nifti import read_image, read_segmentation, write_image
 from physgnn.io.prediction_file import read_displacement
 from physgnn.stages.registration import register
 from physgnn.stages.segmentation import mesh_segmentation
-from physgnn.stages.warping import warp_image
+from physgnn.stages.warping import warp
 
 needs_tetgen = pytest.mark.skipif(
     not tetgen_process.available(), reason="meshing needs the tetgen extra"
@@ -93,11 +93,11 @@ def test_warp_writes_all_that_is_asked(block: TetMesh, tmp_path: Path) -> None:
     said: list[str] = []
     names = ("w.nii.gz", "t.h5", "t.nii.gz", "j.nii.gz", "s.png")
     moved, transform, field, jacobian, slices = (tmp_path / name for name in names)
-    warp_image(
+    warp(
         tmp_path / "t1.nii.gz",
         tmp_path / "out.vtu",
         moved,
-        fields=[transform, field],
+        field=[transform, field],
         jacobian=jacobian,
         slices=slices,
         log=said.append,
@@ -110,12 +110,10 @@ def test_warp_writes_all_that_is_asked(block: TetMesh, tmp_path: Path) -> None:
     source = sitk.ReadTransform(str(transform)).TransformPoint((-5.0, -5.0, 5.0))
     np.testing.assert_allclose(source, [-4.0, -5.0, 5.5], atol=1e-6)
 
-    warp_image(tmp_path / "seg.nii.gz", tmp_path / "out.vtu", moved, labels=True)
+    warp(tmp_path / "seg.nii.gz", tmp_path / "out.vtu", moved, labels=True)
     np.testing.assert_array_equal(read_segmentation(moved).data, expected * 3)
     with pytest.raises(InputError, match="png"):
-        warp_image(
-            tmp_path / "t1.nii.gz", tmp_path / "out.vtu", moved, slices="slices.jpg"
-        )
+        warp(tmp_path / "t1.nii.gz", tmp_path / "out.vtu", moved, slices="slices.jpg")
 
 
 def test_register_writes_what_warp_reads(tmp_path: Path) -> None:

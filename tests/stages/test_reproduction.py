@@ -1,29 +1,23 @@
 """The published protocol and the ablation, small: whole, and the same when repeated."""
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import pytest
 
-from physgnn import stages
 from physgnn.dataset import PRESETS, Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh
+from physgnn.learning.run_folder import RunFolder
 from physgnn.mechanics.load_paths import cone_paths
-from physgnn.progress import Progress
 from physgnn.stages import reproduction
-from physgnn.stages.ablation import Ablation, ablate
-from physgnn.stages.reproduction import Reproduction, can_resume, reproduce
-
-
-@contextmanager
-def silent(_: str) -> Iterator[Progress]:
-    yield lambda *_: None
+from physgnn.stages.ablation import Ablation, run_ablation
+from physgnn.stages.pipeline import can_resume
+from physgnn.stages.reproduction import Reproduction, reproduce
+from physgnn.stages.simulation import simulate_mesh
 
 
 @pytest.fixture
@@ -49,8 +43,8 @@ def test_reproduce(
 ) -> None:
     monkeypatch.setitem(reproduction.BEST, 2, (3, 4))
     write_mesh(tmp_path / "case.vtu", block)
-    what = Reproduction(2, 2 / 3600)
-    text = reproduce(what, tmp_path, show=silent, log=lambda _: None)
+    hours = 2 / 3600
+    text = reproduce(tmp_path, budget_hours=hours)
     for split in ("published", "path"):
         assert f"## Split '{split}'" in text
         record = json.loads((tmp_path / f"run-{split}" / "run.json").read_text())
@@ -59,35 +53,40 @@ def test_reproduce(
     assert "published: 1.83 s on a 2-core Xeon" in text
 
     said: list[str] = []
-    assert reproduce(what, tmp_path, show=silent, log=said.append) == text
-    assert sum("there already" in line for line in said) == 4
+    assert reproduce(tmp_path, budget_hours=hours, log=said.append) == text
+    assert sum("there already" in line for line in said) == 6
+
+    reproduce(tmp_path, budget_hours=2 * hours)
+    run = RunFolder(tmp_path / "run-path")
+    record = json.loads(run.record.read_text())
+    assert record["config"]["max_minutes"] == pytest.approx(60 * hours)
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("small")
 def test_ablate(block: TetMesh, tmp_path: Path) -> None:
-    store, _ = stages.simulate(block, "demo", tmp_path / "loads.zarr")
+    store, _ = simulate_mesh(block, "demo", tmp_path / "loads.zarr")
     budget = Ablation(1, 4, 1, width=4, precision="bfloat16")
     out = tmp_path / "out"
     told: list[int] = []
-    text = ablate(
+    text = run_ablation(
         {2: store.path}, budget, out, progress=lambda done, *_: told.append(done)
     )
     assert told == list(range(1, 13))
     assert text.count("| 2 |") >= 13  # seven aggregations, six mixtures of layers
     assert (out / "ablation.png").is_file()
     before = (out / "ablation.json").stat().st_mtime_ns
-    assert ablate({2: store.path}, budget, out) == text
+    assert run_ablation({2: store.path}, budget, out) == text
     assert (out / "ablation.json").stat().st_mtime_ns == before
     with pytest.raises(InputError, match="another budget"):
-        ablate({2: store.path}, replace(budget, epochs=2), out)
+        run_ablation({2: store.path}, replace(budget, epochs=2), out)
 
 
 @pytest.mark.usefixtures("small")
 def test_a_part_of_the_samples_keeps_the_parts_apart(
     block: TetMesh, tmp_path: Path
 ) -> None:
-    store: Store = stages.simulate(block, "demo", tmp_path / "loads.zarr")[0]
+    store: Store = simulate_mesh(block, "demo", tmp_path / "loads.zarr")[0]
     part = Ablation(samples=6).part_of(store)
     assert (len(part.train), len(part.validation)) == (6, 2)
 
@@ -100,12 +99,12 @@ def test_refuses_what_makes_no_sense(wrong: dict[str, float]) -> None:
 
 def test_what_ended_within_its_first_epoch_starts_again(tmp_path: Path) -> None:
     run = tmp_path / "run"
-    assert not can_resume(run)
+    assert not can_resume(RunFolder(run))
     run.mkdir()
     (run / "run.json").write_text("{}")
-    assert not can_resume(run)
+    assert not can_resume(RunFolder(run))
     assert not run.exists()
     run.mkdir()
     (run / "last.ckpt").touch()
-    assert can_resume(run)
+    assert can_resume(RunFolder(run))
     assert run.exists()

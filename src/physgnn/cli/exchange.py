@@ -5,72 +5,80 @@ from typing import Annotated
 
 import typer
 
+from physgnn import choices, stages
 from physgnn.cli.console import progress, working
-from physgnn.errors import InputError
-
-Sources = Annotated[
-    list[Path],
-    typer.Argument(
-        help="FEBio models (.feb, beside their logs), .npz files, or folders of VTU."
-    ),
-]
+from physgnn.cli.options import Loads, Materials, Preset
 
 
 def export(
-    source: Annotated[Path, typer.Argument(help="Mesh, VTU, dataset, or run.")],
-    febio: Annotated[Path | None, typer.Option(help="FEBio 4 model, .feb.")] = None,
-    arrays: Annotated[Path | None, typer.Option(help="NumPy arrays, .npz.")] = None,
-    series: Annotated[Path | None, typer.Option(help="Folder of VTU files.")] = None,
-    onnx: Annotated[Path | None, typer.Option(help="A run's network, .onnx.")] = None,
-    preset: Annotated[
-        str | None, typer.Option(help="Loads of a mesh: paper-1, paper-2 or demo.")
-    ] = None,
-    loads: Annotated[
-        Path | None, typer.Option(help="Loads of a mesh: TOML, as for simulate.")
-    ] = None,
-    path: Annotated[int, typer.Option(min=0, help="Which load path.")] = 0,
-) -> None:
-    """Write a load path for FEBio, results or a network for other programs."""
-    from physgnn.config import read_preset
-    from physgnn.dataset.exporting import export_arrays, export_febio, export_series
-
-    if sum(target is not None for target in (febio, arrays, series, onnx)) != 1:
-        raise InputError("give one of --febio, --arrays, --series and --onnx")
-    with working("exporting"):
-        if onnx is not None:
-            from physgnn.learning.onnx_export import export_onnx
-
-            export_onnx(source, onnx)
-        elif febio is not None:
-            chosen = preset if loads is None else read_preset(loads)
-            export_febio(source, febio, preset=chosen, path=path)
-        elif arrays is not None:
-            export_arrays(source, arrays)
-        else:
-            assert series is not None
-            export_series(source, series, path=path)
-    print(febio or arrays or series or onnx)
-
-
-def import_(
-    sources: Sources,
-    out: Annotated[Path, typer.Option("--out", "-o", help="The dataset.")],
-    materials: Annotated[
+    source: Annotated[
+        Path,
+        typer.Argument(
+            help="A mesh (.vtu) or a dataset for --febio, a dataset for --arrays and "
+            "--series, a run for --onnx."
+        ),
+    ],
+    febio: Annotated[
         Path | None,
-        typer.Option(help="TOML with [materials]; FEBio models tell their own."),
+        typer.Option(
+            help="Write one load path as a FEBio 4 model, .feb, to this file."
+        ),
     ] = None,
+    arrays: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write the whole dataset as NumPy arrays, .npz, to this file."
+        ),
+    ] = None,
+    series: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write the levels of one load path as VTU files to this folder."
+        ),
+    ] = None,
+    onnx: Annotated[
+        Path | None, typer.Option(help="Write a run's network, .onnx, to this file.")
+    ] = None,
+    preset: Preset = None,
+    loads: Loads = None,
+    path: Annotated[
+        int, typer.Option(min=0, help="Write this load path, counted from 0.")
+    ] = 0,
+) -> None:
+    """Write a load path for FEBio, or results or a network for other programs."""
+    with working("exporting"):
+        written = stages.export(
+            source,
+            febio=febio,
+            arrays=arrays,
+            series=series,
+            onnx=onnx,
+            preset=preset,
+            loads=loads,
+            path=path,
+        )
+    print(written)
+
+
+def import_results(
+    sources: Annotated[
+        list[Path],
+        typer.Argument(
+            help="FEBio models (.feb, beside their logs), .npz files, or folders of "
+            "VTU files."
+        ),
+    ],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The dataset to make.")],
+    materials: Materials = None,
     element: Annotated[
-        str, typer.Option(help="The finite element they stand for.")
-    ] = "tet4",
+        choices.Element,
+        typer.Option(help="Take the results for those of this finite element."),
+    ] = choices.Element.TET4,
 ) -> None:
     """Make a dataset of another solver's results."""
-    from physgnn.config import read_materials
-    from physgnn.dataset.importing import import_results
-
-    chosen = read_materials(materials)
     with progress("importing") as move:
-        store = import_results(
-            sources, out, materials=chosen, element=element, progress=move
+        store = stages.import_results(
+            sources, out, materials=materials, element=element, progress=move
         )
     print(
         f"{out}: {store.n_paths} load paths of {store.n_levels} levels, "

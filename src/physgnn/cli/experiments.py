@@ -5,103 +5,140 @@ from typing import Annotated
 
 import typer
 
-from physgnn import stages
+from physgnn import choices, stages
 from physgnn.cli.console import progress, say, working
-from physgnn.errors import InputError
-
-Out = Annotated[Path, typer.Option("--out", "-o", help="Folder for everything.")]
+from physgnn.cli.options import OutFolder, Precision
 
 
 def reproduce(
-    out: Out,
-    dataset: Annotated[int, typer.Option(help="1 or 2.")] = 2,
+    out: OutFolder,
+    dataset: Annotated[
+        int,
+        typer.Option(min=1, max=2, help="Repeat this dataset of the paper, 1 or 2."),
+    ] = 2,
     budget_hours: Annotated[
-        float, typer.Option(help="Of training, over both splits.")
+        float, typer.Option(help="Train this long, over both splits.")
     ] = 2.5,
     brain: Annotated[
-        Path | None, typer.Option(help="Published surface; else the bundled brain.")
+        Path | None,
+        typer.Option(
+            help="The published surface of the brain; otherwise the bundled brain is "
+            "taken, with its own loads."
+        ),
     ] = None,
     tumour: Annotated[
-        list[Path] | None, typer.Option(help="Surface inside the brain.")
+        list[Path] | None,
+        typer.Option(help="A surface inside the brain; give it again for another."),
     ] = None,
     clock: Annotated[
-        str, typer.Option(help="What counts the hours: wall, or processor.")
-    ] = "wall",
+        choices.Clock,
+        typer.Option(
+            help="Count the hours by this clock: processor time is that of all threads "
+            "together, which other work on the machine does not shorten."
+        ),
+    ] = choices.Clock.WALL,
 ) -> None:
-    """Repeat the published protocol beside the paper's tables; call to resume."""
-    from physgnn.stages.reproduction import Reproduction, reproduce
-
-    tumours = tuple(tumour or ())
-    what = Reproduction(dataset, budget_hours, brain, tumours, clock=clock)
-    if brain is None:
-        say(
-            "the bundled brain and its own loads: the published figures are of other "
-            "surfaces (give --brain and --tumour)"
+    """Repeat the published protocol beside the paper's tables; call it to resume."""
+    print(
+        stages.reproduce(
+            out,
+            dataset=dataset,
+            budget_hours=budget_hours,
+            brain=brain,
+            tumour=tumour or (),
+            clock=clock,
+            show=progress,
+            log=say,
         )
-    print(reproduce(what, out, show=progress, log=say))
+    )
 
 
 def ablate(
-    out: Out,
-    dataset_1: Annotated[Path | None, typer.Option(help="Store of paper-1.")] = None,
-    dataset_2: Annotated[Path | None, typer.Option(help="Store of paper-2.")] = None,
-    epochs: Annotated[int, typer.Option(help="Of each network.")] = 3,
-    samples: Annotated[int, typer.Option(help="Training samples an epoch.")] = 400,
-    seeds: Annotated[int, typer.Option(help="Networks of each configuration.")] = 3,
-    split: Annotated[str, typer.Option(help="path, node or published.")] = "published",
+    out: OutFolder,
+    dataset_1: Annotated[
+        Path | None, typer.Option(help="A dataset of preset paper-1 to compare on.")
+    ] = None,
+    dataset_2: Annotated[
+        Path | None, typer.Option(help="A dataset of preset paper-2 to compare on.")
+    ] = None,
+    epochs: Annotated[
+        int, typer.Option(help="Train each network for this many epochs.")
+    ] = 3,
+    samples: Annotated[
+        int, typer.Option(help="Train on this many samples an epoch.")
+    ] = 400,
+    seeds: Annotated[
+        int, typer.Option(help="Train this many networks of each configuration.")
+    ] = 3,
+    split: Annotated[
+        choices.Split, typer.Option(help="Hold out samples this way.")
+    ] = choices.Split.PUBLISHED,
     width: Annotated[
-        int, typer.Option(help="Of the networks; 112 as published.")
+        int,
+        typer.Option(help="Give the networks this width; the published one is 112."),
     ] = 112,
-    precision: Annotated[
-        str, typer.Option(help="Of training: float32, or bfloat16.")
-    ] = "float32",
+    precision: Precision = choices.Precision.FLOAT32,
 ) -> None:
-    """Compare configurations 1 to 12 at a reduced budget; call again to resume."""
-    from physgnn.stages.ablation import Ablation, ablate
-
-    given = {1: dataset_1, 2: dataset_2}
-    stores = {number: path for number, path in given.items() if path is not None}
-    if not stores:
-        raise InputError("give --dataset-1, --dataset-2 or both")
-    budget = Ablation(epochs, samples, seeds, split, width, precision)
+    """Compare configurations 1 to 12 at a reduced budget; call it again to resume."""
     with progress("ablation") as move:
-        print(ablate(stores, budget, out, progress=move))
+        table = stages.ablate(
+            out,
+            dataset_1=dataset_1,
+            dataset_2=dataset_2,
+            epochs=epochs,
+            samples=samples,
+            seeds=seeds,
+            split=split,
+            width=width,
+            precision=precision,
+            progress=move,
+        )
+    print(table)
     print(out / "ablation.png")
 
 
 def published(
-    weights: Annotated[Path, typer.Argument(help="Published state dict, .pt.")],
-    golden: Annotated[Path, typer.Option(help="Stored forward pass, .npz.")],
-    configuration: Annotated[int, typer.Option(help="1 to 12.")] = 3,
-    dataset: Annotated[int, typer.Option(help="1 or 2.")] = 2,
+    weights: Annotated[
+        Path, typer.Argument(help="The published weights, a state dict, .pt.")
+    ],
+    golden: Annotated[
+        Path, typer.Option(help="A stored forward pass of them to compare with, .npz.")
+    ],
+    configuration: Annotated[
+        int, typer.Option(help="The weights are of this configuration, 1 to 12.")
+    ] = 3,
+    dataset: Annotated[
+        int, typer.Option(help="The weights are of this dataset, 1 or 2.")
+    ] = 2,
 ) -> None:
     """Load published weights and compare with a stored forward pass."""
     with working("comparing"):
-        difference = stages.published_difference(
+        difference = stages.published(
             weights, golden, configuration=configuration, dataset=dataset
         )
     print(f"largest difference over all points: {difference:.3g} mm")
 
 
 def demo(
-    folder: Annotated[Path, typer.Argument(help="Where everything goes.")] = Path(
-        "demo"
-    ),
+    folder: Annotated[
+        Path, typer.Argument(help="The folder to write everything to.")
+    ] = Path("demo"),
 ) -> None:
-    """Go from the bundled brain to a report; call again to resume."""
-    from physgnn.stages.demo import run_demo
-
-    print(run_demo(folder, show=progress, log=say))
+    """Go from the bundled brain to a report; call it again to resume."""
+    print(stages.demo(folder, show=progress, log=say))
 
 
 def bundle(
-    folder: Annotated[Path, typer.Argument(help="Where the work goes.")],
+    folder: Annotated[Path, typer.Argument(help="The folder to do the work in.")],
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Else into the package.")
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            help="The folder to write the model to; by default it goes into the "
+            "package.",
+        ),
     ] = None,
 ) -> None:
-    """Make the model that comes with the package; call again to resume."""
-    from physgnn.bundled import BUNDLED_RUN
-    from physgnn.stages.bundling import bundle
-
-    print(bundle(folder, out or BUNDLED_RUN, show=progress, log=say))
+    """Make the model that comes with the package; call it again to resume."""
+    print(stages.bundle(folder, out, show=progress, log=say))

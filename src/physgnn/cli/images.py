@@ -5,44 +5,54 @@ from typing import Annotated
 
 import typer
 
-from physgnn.cli import answers
+from physgnn import choices, stages
 from physgnn.cli.console import say, working
-
-Out = Annotated[Path, typer.Option("--out", "-o", help="Where the result goes.")]
+from physgnn.cli.options import Displacement, Form, Grid, Materials, OutFile
 
 
 def warp(
-    image: Annotated[Path, typer.Argument(help="Image at rest, NIfTI.")],
-    prediction: Annotated[Path, typer.Argument(help="Displacement, VTU.")],
-    out: Out,
+    image: Annotated[Path, typer.Argument(help="The image at rest, NIfTI.")],
+    prediction: Annotated[
+        Path, typer.Argument(help="A displacement written by predict or register, VTU.")
+    ],
+    out: OutFile,
     labels: Annotated[
-        bool, typer.Option("--labels", help="The image is a label map.")
+        bool, typer.Option("--labels", help="Treat the image as a label map.")
     ] = False,
     interpolation: Annotated[
-        str | None, typer.Option(help="linear, nearest or cubic.")
+        choices.Interpolation | None,
+        typer.Option(
+            help="Interpolate between voxels this way; by default linearly, and the "
+            "nearest of a label map."
+        ),
     ] = None,
     field: Annotated[
         list[Path] | None,
-        typer.Option(help="Transform for ITK and 3D Slicer, .h5 or .nii.gz."),
+        typer.Option(
+            help="Write the transform for ITK and 3D Slicer too, to this .h5 or "
+            ".nii.gz file; give it again for another."
+        ),
     ] = None,
     jacobian: Annotated[
-        Path | None, typer.Option(help="Map of the change of volume, NIfTI.")
+        Path | None,
+        typer.Option(help="Write a map of the change of volume to this NIfTI file."),
     ] = None,
     slices: Annotated[
-        Path | None, typer.Option(help="Before, after and checkerboard, PNG.")
+        Path | None,
+        typer.Option(
+            help="Draw slices before, after and as a checkerboard to this PNG file."
+        ),
     ] = None,
 ) -> None:
     """Deform an image as a prediction says."""
-    from physgnn.stages.warping import warp_image
-
     with working("warping"):
-        warp_image(
+        stages.warp(
             image,
             prediction,
             out,
             labels=labels,
             interpolation=interpolation,
-            fields=field or [],
+            field=field or (),
             jacobian=jacobian,
             slices=slices,
             log=say,
@@ -51,49 +61,58 @@ def warp(
 
 
 def register(
-    mesh: Annotated[Path, typer.Argument(help="Mesh with the point set fixed, VTU.")],
-    out: answers.Out,
+    mesh: Annotated[
+        Path, typer.Argument(help="The mesh, with its point set 'fixed', VTU.")
+    ],
+    out: Displacement,
     points: Annotated[
-        Path | None, typer.Option(help="Measured pairs: CSV, .fcsv or .mrk.json.")
+        Path | None,
+        typer.Option(
+            help="Pairs of points measured before and after: CSV, .fcsv or .mrk.json."
+        ),
     ] = None,
     target: Annotated[
-        Path | None, typer.Option(help="Markups after the shift, if apart.")
+        Path | None,
+        typer.Option(
+            help="The points after the shift, where they are markups of their own."
+        ),
     ] = None,
     surface: Annotated[
         Path | None,
         typer.Option(
-            help="Instead: the exposed surface after the shift, a mesh (STL, PLY, "
-            "OBJ, VTP) or points (CSV, .fcsv, .mrk.json)."
+            help="The exposed surface after the shift, instead of points: a mesh (STL, "
+            "PLY, OBJ, VTP) or points (CSV, .fcsv, .mrk.json)."
         ),
     ] = None,
     noise_mm: Annotated[
-        float, typer.Option(help="Deviation of a measured coordinate.")
+        float,
+        typer.Option(
+            help="Trust every measured coordinate to this standard deviation."
+        ),
     ] = 1.0,
     skull: Annotated[
-        str, typer.Option(help="fixed, or sliding: the brain may move along it.")
-    ] = "fixed",
-    materials: Annotated[
-        Path | None, typer.Option(help="TOML with [materials.<region>] tables.")
-    ] = None,
-    form: answers.Form = None,
-    image: answers.Grid = None,
+        choices.Skull,
+        typer.Option(
+            help="Hold the fixed points fast, or let them slide along the skull."
+        ),
+    ] = choices.Skull.FIXED,
+    materials: Materials = None,
+    form: Form = None,
+    image: Grid = None,
 ) -> None:
     """Find the whole displacement from what was measured on the surface."""
-    from physgnn.config.simulation import read_materials
-    from physgnn.stages import registration
-
     with working("registering"):
-        found = registration.register(
+        found = stages.register(
             mesh,
             out,
             points=points,
             target=target,
             surface=surface,
-            form=form,
-            image=image,
             noise_mm=noise_mm,
             skull=skull,
-            materials={} if materials is None else read_materials(materials),
+            materials=materials,
+            form=form,
+            image=image,
         )
     ended = (
         "the displacement can be used with its error estimate"

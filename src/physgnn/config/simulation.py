@@ -26,7 +26,7 @@ c1_pa = 1000
 c2_pa = 250
 bulk_modulus_pa = 120_000
 
-[loads]                       # forces drawn at random, see Forces
+[loads]                       # forces drawn at random, see Loads
 total_force_n = 5.0           # without it there is one path, of levels steps
 
 [[loads.more]]                # more loads, on every path: see MORE_LOADS
@@ -34,15 +34,25 @@ kind = "gravity"
 direction = [0, 0, -1]
 """
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Self
 
-from physgnn.config.tables import check_keys, from_table, named, read_toml
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    PositiveInt,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from physgnn.config.materials import MATERIALS, region_of
+from physgnn.config.point_sets import RULES_BY_NAME
+from physgnn.config.tables import Table, read_as, read_toml, variants
 from physgnn.dataset.load_rules import (
-    LoadRule,
+    MORE_LOADS,
     MeasuredPlaces,
     Paths,
     PressureOn,
@@ -52,32 +62,20 @@ from physgnn.dataset.load_rules import (
 )
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR, Preset
 from physgnn.errors import InputError
-from physgnn.geometry.point_sets import Rule, rule_from_table
-from physgnn.geometry.regions import REGIONS, region_label
 from physgnn.mechanics.element import DEFAULT_ELEMENT, checked_element
-from physgnn.mechanics.gravity import Gravity
 from physgnn.mechanics.load_paths import cone_paths
-from physgnn.mechanics.materials import TISSUES, Material
-from physgnn.mechanics.materials.table import LAWS
 
 POINT_SETS = ("fixed", "loaded")
-KEYS = ("element", "remove_region", "point_sets", "materials", "loads")
-MORE_LOADS: Mapping[str, type[LoadRule]] = {
-    "pressure": PressureOn,
-    "gravity": Gravity,
-    "displacement": Shift,
-    "measured": MeasuredPlaces,
-}
 
 
-@dataclass(frozen=True)
-class Forces:
+class Loads(Table):
     """The ``[loads]`` table: see `physgnn.mechanics.load_paths.cone_paths`.
 
     Attributes
     ----------
     total_force_n : float
-        Force on the loaded patch at the last level, N.
+        Force on the loaded patch at the last level, N. It may be left out where there
+        are more loads: then these are all.
     cone_deg : float
         Half-angle of the cone of directions about the inward normal, degrees.
     paths, levels : int
@@ -86,36 +84,71 @@ class Forces:
         Nodes of a patch; by default all loaded ones.
     seed : int
         Of the directions and patches.
+    more : tuple of load rules
+        On every path beside the forces, each a table with the ``kind`` of a row of
+        `physgnn.dataset.load_rules.MORE_LOADS`.
     """
 
-    total_force_n: float
+    total_force_n: float | None = Field(default=None, gt=0)
     cone_deg: float = 30.0
-    paths: int = 100
-    levels: int = 10
+    paths: PositiveInt = 100
+    levels: PositiveInt = 10
     nodes_per_path: int | None = None
     seed: int = 0
+    more: tuple[variants("kind", MORE_LOADS), ...] = ()  # type: ignore[valid-type]
 
-    def __post_init__(self) -> None:
-        for name in ("total_force_n", "paths", "levels"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"{name} must be > 0 (got {getattr(self, name)})")
+    @property
+    def has_forces(self) -> bool:
+        """Whether nodal forces are drawn."""
+        return not self.more or bool(self.model_fields_set - {"levels", "more"})
+
+    @model_validator(mode="after")
+    def _has_a_size(self) -> Self:
+        if self.has_forces and self.total_force_n is None:
+            raise PydanticCustomError("lacks_key", "{key}", {"key": "total_force_n"})
+        return self
+
+    def drawn(self, folder: Path) -> Paths:
+        """Return what draws the paths; files are named from `folder`."""
+        more = [
+            replace(rule, file=str(folder / rule.file))
+            if isinstance(rule, MeasuredPlaces)
+            else rule
+            for rule in self.more
+        ]
+        if not self.has_forces:
+            return partial(without_forces, n_levels=self.levels, more=more)
+        forces = partial(
+            cone_paths,
+            n_paths=self.paths,
+            n_levels=self.levels,
+            **self.model_dump(exclude={"paths", "levels", "more"}),
+        )
+        return partial(with_more, paths=forces, more=more) if more else forces
 
 
-@dataclass(frozen=True)
-class NoForces:
-    """The ``[loads]`` table without forces: one path.
+class Simulation(Table):
+    """The whole file."""
 
-    Attributes
-    ----------
-    levels : int
-        Equal load steps.
-    """
+    element: Annotated[str, AfterValidator(checked_element)] = DEFAULT_ELEMENT
+    remove_region: Annotated[int, BeforeValidator(region_of)] | None = None
+    point_sets: RULES_BY_NAME = Field(default_factory=dict)
+    materials: MATERIALS = Field(default_factory=dict)
+    loads: Loads
 
-    levels: int = 10
-
-    def __post_init__(self) -> None:
-        if not self.levels > 0:
-            raise InputError(f"levels must be > 0 (got {self.levels})")
+    @model_validator(mode="after")
+    def _uses_its_point_sets(self) -> Self:
+        acted_on = [
+            r.points for r in self.loads.more if isinstance(r, PressureOn | Shift)
+        ]
+        known = list(dict.fromkeys([*POINT_SETS, *acted_on]))
+        for name in self.point_sets:
+            if name not in known:
+                raise InputError(
+                    f"unknown key '{name}' in [point_sets] (its keys: "
+                    f"{', '.join(known)})"
+                )
+        return self
 
 
 def read_preset(path: str | Path) -> Preset:
@@ -126,145 +159,15 @@ def read_preset(path: str | Path) -> Preset:
     InputError
         If the file cannot be read, or a key or value is wrong.
     """
-    tables = read_toml(path)
-    check_keys(tables, KEYS, str(path))
-    if not isinstance(tables.get("loads"), Mapping):
-        raise InputError(f"{path} needs a table [loads] with total_force_n")
-    loads = dict(tables["loads"])
-    more = _more_loads(loads.pop("more", []), Path(path))
-    rules = _rules(tables.get("point_sets", {}), path)
-    acted_on = [rule.points for rule in more if isinstance(rule, PressureOn | Shift)]
-    allowed = list(dict.fromkeys([*POINT_SETS, *acted_on]))
-    check_keys(rules, allowed, f"[point_sets] of {path}")
-    has_forces = not more or any(key != "levels" for key in loads)
+    file: Simulation = read_as(Simulation, read_toml(path), path)
+    rules: dict[str, Any] = dict(file.point_sets)
     sets = {name: rules.pop(name, None) for name in POINT_SETS}
     return Preset(
-        materials={**BRAIN_AND_TUMOUR, **_materials(tables.get("materials", {}), path)},
-        paths=_paths(loads, more, has_forces, path),
+        materials={**BRAIN_AND_TUMOUR, **file.materials},
+        paths=file.loads.drawn(Path(path).parent),
         **sets,
         others=rules,
-        has_forces=has_forces,
-        element=_element(tables.get("element", DEFAULT_ELEMENT), path),
-        removed=_removed(tables.get("remove_region"), path),
+        has_forces=file.loads.has_forces,
+        element=file.element,
+        removed=file.remove_region,
     )
-
-
-def read_point_sets(path: str | Path) -> dict[str, Rule]:
-    """Read only the rules of the point sets of a TOML file; other tables may be there.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or a rule is wrong.
-    """
-    return _rules(read_toml(path).get("point_sets", {}), path)
-
-
-def read_materials(path: str | Path | None) -> dict[int, Material]:
-    """Read only the materials of a TOML file, by region; other tables may be there.
-
-    Regions it does not name, or all if there is no file, have the published materials.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, has no [materials], or one is wrong.
-    """
-    if path is None:
-        return dict(BRAIN_AND_TUMOUR)
-    file = read_toml(path)
-    if "materials" not in file:
-        raise InputError(
-            f"{path}: expected a table [materials] (got {', '.join(file)})"
-        )
-    return {**BRAIN_AND_TUMOUR, **_materials(file["materials"], path)}
-
-
-def _paths(
-    table: Mapping[str, Any],
-    more: list[LoadRule],
-    has_forces: bool,
-    path: str | Path,
-) -> Paths:
-    where = f"[loads] in {path}"
-    if not has_forces:
-        levels = from_table(NoForces, table, where).levels
-        return partial(without_forces, n_levels=levels, more=more)
-    loads = asdict(from_table(Forces, table, where))
-    forces = partial(
-        cone_paths, n_paths=loads.pop("paths"), n_levels=loads.pop("levels"), **loads
-    )
-    return partial(with_more, paths=forces, more=more) if more else forces
-
-
-def _more_loads(tables: Any, path: Path) -> list[LoadRule]:
-    if not isinstance(tables, list):
-        raise InputError(f"more loads in {path} must be tables [[loads.more]]")
-    rules = []
-    for number, table in enumerate(tables, 1):
-        where = f"[[loads.more]] number {number} in {path}"
-        rule = named(table, "kind", MORE_LOADS, where)
-        values = {key: value for key, value in table.items() if key != "kind"}
-        made = from_table(rule, values, where)
-        if isinstance(made, MeasuredPlaces):
-            made = replace(made, file=str(path.parent / made.file))
-        rules.append(made)
-    return rules
-
-
-def _element(name: Any, path: str | Path) -> str:
-    try:
-        return checked_element(str(name))
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-
-
-def _removed(name: Any, path: str | Path) -> int | None:
-    return None if name is None else _region(str(name), f"remove_region of {path}")
-
-
-def _region(name: str, where: str) -> int:
-    label = region_label(name)
-    if label is None:
-        raise InputError(
-            f"unknown region '{name}' in {where} (use {', '.join(REGIONS)} or the "
-            "region's number)"
-        )
-    return label
-
-
-def _rules(table: Any, path: str | Path) -> dict[str, Rule]:
-    if not isinstance(table, Mapping):
-        raise InputError(f"point_sets in {path} must be tables (got {table!r})")
-    return {name: rule_from_table(rule) for name, rule in table.items()}
-
-
-def _materials(table: Any, path: str | Path | None) -> dict[int, Material]:
-    if not isinstance(table, Mapping):
-        raise InputError(f"materials in {path} must be tables (got {table!r})")
-    return {
-        _region(name, f"[materials] of {path}"): _material(
-            values, f"[materials.{name}] in {path}"
-        )
-        for name, values in table.items()
-    }
-
-
-def _material(values: Any, where: str) -> Material:
-    """Make a material of a law's name and parameters, or of a tissue's name."""
-    if not isinstance(values, Mapping):
-        raise InputError(f"{where} must be a table")
-    if "tissue" in values:
-        check_keys(values, ("tissue",), where)
-        return named(values, "tissue", TISSUES, where).material
-    material = {"law": "neo-hookean", **values}
-    law = named(material, "law", LAWS, where)
-    del material["law"]
-    known = [field.name for field in fields(law)]
-    if sorted(material) != sorted(known):
-        raise InputError(
-            f"{where}: law '{law.law}' takes {', '.join(known)}; or give tissue alone "  # type: ignore[attr-defined]
-            f"(got {', '.join(material) or 'nothing'})"
-        )
-    made: Material = from_table(law, material, where)
-    return made

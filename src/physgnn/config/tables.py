@@ -1,15 +1,77 @@
-"""TOML tables to dataclasses, keys and types checked."""
+"""TOML tables to checked values, by pydantic; every mistake is one line.
+
+A dataclass that stands in a file is described by its own fields (`table_of`). Where a
+key of a table names the class that the others belong to, as ``kind`` does of a load,
+the classes are the rows of a table (`variants`).
+"""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
+from difflib import get_close_matches
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import (
+    Annotated,
+    Any,
+    Literal,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Tag,
+    TypeAdapter,
+    ValidationError,
+    WrapValidator,
+    create_model,
+    model_validator,
+)
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from physgnn.errors import InputError
 
 T = TypeVar("T")
+Place = tuple[str | int, ...]
+"""The keys and numbers that lead to a table of a file."""
+
+TAG = "="  # begins what a place holds of the row chosen, which no user wrote
+WORDS = {
+    "int_type": "int",
+    "float_type": "float",
+    "string_type": "str",
+    "bool_type": "bool",
+    "dict_type": "a table",
+    "mapping_type": "a table",
+    "model_type": "a table",
+    "tuple_type": "a list of tables",
+}
+
+
+class Table(BaseModel):
+    """A TOML table: its keys are known, its values are what they look like."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_known_keys(cls, table: Any) -> Any:
+        known = list(cls.model_fields)
+        for key in table if isinstance(table, Mapping) else ():
+            if key not in known:
+                near = "".join(
+                    f", did you mean '{word}'?"
+                    for word in get_close_matches(key, known, 1)
+                )
+                told = {"key": key, "near": near, "known": ", ".join(known)}
+                raise PydanticCustomError("unknown_key", "{key}", told)
+        return table
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
@@ -22,78 +84,177 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path} is not a TOML file: {error}") from error
 
 
-def from_table(cls: type[T], table: Any, where: str) -> T:
-    """Make a dataclass of a table, its keys and the types of its values checked.
+def read_as(kind: Any, table: Any, file: str | Path, *, at: Place = ()) -> Any:
+    """Return what a table of a file says.
+
+    Parameters
+    ----------
+    kind : type
+        A `Table`, or any other type that pydantic knows.
+    table : any
+        The table, as `read_toml` returns it.
+    file : path
+        For the message.
+    at : tuple
+        Where in the file the table stands.
 
     Raises
     ------
     InputError
-        If a key is unknown or missing, or a value has another type.
+        If a key is unknown or missing, or a value is wrong: the first that is.
     """
-    if not isinstance(table, Mapping):
-        raise InputError(f"{where} must be a table (got {table!r})")
-    known = fields(cls)  # type: ignore[arg-type]
-    check_keys(table, [field.name for field in known], where)
-    for field in known:
-        required = field.default is MISSING and field.default_factory is MISSING
-        if required and field.name not in table:
-            raise InputError(f"{where} needs the key '{field.name}'")
-    types = get_type_hints(cls)
-    for name, value in table.items():
-        _check_type(name, value, types[name], where)
-    return cls(**table)
+    try:
+        return TypeAdapter(kind).validate_python(_with_tuples(table))
+    except ValidationError as error:
+        found = error.errors()
+        first = next((e for e in found if e["type"] == "unknown_key"), found[0])
+        raise InputError(_line(first, str(file), at)) from error
 
 
-def check_keys(table: Mapping[str, Any], allowed: Any, where: str) -> None:
-    """Raise InputError for the first key that is not among those allowed."""
-    for key in table:
-        if key not in allowed:
-            raise InputError(
-                f"unknown key '{key}' in {where} (its keys: {', '.join(allowed)})"
-            )
+def table_of(cls: type[T], *, types: Mapping[Any, Any] | None = None) -> Any:
+    """Return the pydantic type of a table that holds the fields of a dataclass.
 
-
-def named(table: Any, key: str, rows: Mapping[str, T], where: str) -> T:
-    """Return the row of a table of variants that a TOML table's key names.
-
-    Raises
-    ------
-    InputError
-        If it is no table, or names no row.
+    Parameters
+    ----------
+    cls : type
+        The dataclass; what it refuses when made is a mistake in the table.
+    types : mapping, optional
+        What stands in the table for a field of another type.
     """
-    name = table.get(key) if isinstance(table, Mapping) else table
-    if not isinstance(name, str) or name not in rows:
-        raise InputError(
-            f"{where} needs {key} = one of {', '.join(rows)} (got {name!r})"
-        )
-    return rows[name]
+    model = _model(cls, {}, types or {})
+    return Annotated[model, AfterValidator(_maker(cls))]
 
 
-def _check_type(name: str, value: Any, expected: Any, where: str) -> None:
-    if get_origin(expected) is tuple:
-        _check_numbers(name, value, get_args(expected), where)
-        return
-    union = get_origin(expected) in (Union, UnionType)
-    choices = get_args(expected) if union else (expected,)
-    scalars = tuple(choice for choice in choices if choice in (int, float, str, bool))
-    if not scalars:
-        return
-    accepted = (*scalars, *((int,) if float in scalars else ()))
-    wrong_bool = isinstance(value, bool) and bool not in scalars
-    optional = value is None and NoneType in choices
-    if not optional and (wrong_bool or not isinstance(value, accepted)):
-        words = " or ".join(choice.__name__ for choice in scalars)
-        raise InputError(f"{name} in {where} must be {words} (got {value!r})")
+def variants(
+    key: str,
+    rows: Mapping[str, type[T]],
+    *,
+    default: str | None = None,
+    types: Mapping[Any, Any] | None = None,
+) -> Any:
+    """Return the pydantic type of a table whose `key` names a row.
 
+    Parameters
+    ----------
+    key : str
+        Such as ``kind``.
+    rows : mapping of str to dataclass
+        What there is to choose from.
+    default : str, optional
+        The row that is meant where the key is left out.
+    types : mapping, optional
+        As of `table_of`.
+    """
 
-def _check_numbers(name: str, value: Any, types: tuple[Any, ...], where: str) -> None:
-    """Check a list of numbers: as many as there are types, or any number."""
-    fits = isinstance(value, list | tuple) and (
-        Ellipsis in types or len(value) == len(types)
+    def chosen(table: Any) -> str | None:
+        name = table.get(key, default) if isinstance(table, Mapping) else None
+        return f"{TAG}{name}"
+
+    kinds = [
+        Annotated[
+            _model(cls, {key: (Literal[name], name)}, types or {}),
+            AfterValidator(_maker(cls)),
+            Tag(f"{TAG}{name}"),
+        ]
+        for name, cls in rows.items()
+    ]
+    needs = f"needs {key} = one of {', '.join(rows)}"
+    told = Discriminator(
+        chosen, custom_error_type="variant", custom_error_message=needs
     )
-    if fits and all(type(item) in (int, float) for item in value):
-        return
-    many = "" if Ellipsis in types else f"{len(types)} "
-    raise InputError(
-        f"{name} in {where} must be a list of {many}numbers (got {value!r})"
-    )
+    return Annotated[Union[tuple(kinds)], told]  # noqa: UP007
+
+
+def _model(
+    cls: type, more: Mapping[str, Any], types: Mapping[Any, Any]
+) -> type[BaseModel]:
+    hints = get_type_hints(cls)
+    columns = dict(more)
+    for field in fields(cls):
+        hint = types.get(hints[field.name], _numbers(hints[field.name]))
+        columns[field.name] = (hint, _default(field))
+    return create_model(cls.__name__, __base__=Table, **columns)
+
+
+def _default(field: Any) -> Any:
+    if field.default is not MISSING:
+        return field.default
+    return ... if field.default_factory is MISSING else field.default_factory()
+
+
+def _maker(cls: type[T]) -> Callable[[BaseModel], T]:
+    names = [field.name for field in fields(cls)]  # type: ignore[arg-type]
+    return lambda model: cls(**{name: getattr(model, name) for name in names})
+
+
+def _numbers(hint: Any) -> Any:
+    """Return a type whose mistakes are told of the list, not of its items."""
+    kinds = get_args(hint)
+    if get_origin(hint) is not tuple or {*kinds} - {float, ...}:
+        return hint
+    many = "" if Ellipsis in kinds else f"{len(kinds)} "
+
+    def check(value: Any, whole: Callable[[Any], Any]) -> Any:
+        try:
+            return whole(value)
+        except ValidationError as error:
+            words = f"a list of {many}numbers"
+            raise PydanticCustomError("numbers", "{w}", {"w": words}) from error
+
+    return Annotated[hint, WrapValidator(check)]
+
+
+def _with_tuples(value: Any) -> Any:
+    """Return a TOML value with tuples for lists: pydantic takes neither for both."""
+    if isinstance(value, list):
+        return tuple(_with_tuples(item) for item in value)
+    if isinstance(value, Mapping):
+        return {key: _with_tuples(item) for key, item in value.items()}
+    return value
+
+
+def _line(error: ErrorDetails, file: str, at: Place) -> str:
+    """Say in one line what was expected, what came, and where."""
+    ctx = error.get("ctx", {})
+    loc = [*at, *(k for k in error["loc"] if not str(k).startswith(TAG))]
+    here, key = _words(loc, file), str(loc[-1]) if loc else ""
+    got = f"(got {_shown(error['input'])})"
+    inside = _words(loc[:-1], file)
+    of_value = f"{key} in {inside}" if key and isinstance(loc[-1], str) else here
+    match error["type"]:
+        case "unknown_key":
+            told = f"unknown key '{ctx['key']}' in {here}{ctx['near']}"
+            return f"{told} (its keys: {ctx['known']})"
+        case "missing":
+            return f"{inside} needs the key '{key}'"
+        case "lacks_key":
+            return f"{here} needs the key '{ctx['key']}'"
+        case "variant":
+            return f"{here} {error['msg']} {got}"
+        case "numbers":
+            return f"{of_value} must be {error['msg']} {got}"
+        case "literal_error":
+            expected = ctx["expected"].replace("'", "").replace(" or ", ", ")
+            return f"{of_value} must be one of {expected} {got}"
+        case "greater_than":
+            return f"{of_value} must be > {ctx['gt']:g} {got}"
+        case "value_error":
+            return f"{here}: {ctx['error']}"
+        case "model_type" | "dict_type" | "mapping_type":
+            return f"{here} must be a table {got}"
+        case kind:
+            return f"{of_value} must be {WORDS.get(kind, error['msg'])} {got}"
+
+
+def _words(place: list[Any] | Place, file: str) -> str:
+    """Return where a table stands, as its head in the file is written."""
+    names = ".".join(k for k in place if isinstance(k, str))
+    numbers = [k for k in place if isinstance(k, int)]
+    if not names:
+        return file
+    head = f"[[{names}]] number {numbers[0] + 1}" if numbers else f"[{names}]"
+    return f"{head} in {file}"
+
+
+def _shown(value: Any) -> str:
+    return repr(list(value) if isinstance(value, tuple) else value)

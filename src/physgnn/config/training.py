@@ -1,13 +1,13 @@
 """How to train (``physgnn train --config``).
 
-The keys are the fields of `physgnn.learning.TrainingConfig`; a table ``[options]`` is
-for the model's own.
+The keys are the fields of `physgnn.learning.training_config.TrainingConfig`; a table
+``[options]`` is for the model's own.
 """
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from physgnn.config.tables import from_table, read_toml
+from physgnn.config.tables import read_as, read_toml, table_of
 
 if TYPE_CHECKING:
     from physgnn.learning.training_config import TrainingConfig
@@ -27,5 +27,9 @@ def read_training(path: str | Path | None, **changes: Any) -> "TrainingConfig":
     values = {} if path is None else read_toml(path)
     options = {**values.pop("options", {}), **changes.pop("options", {})}
     given = {name: value for name, value in changes.items() if value is not None}
-    where = "the training configuration" if path is None else str(path)
-    return from_table(TrainingConfig, {**values, **given, "options": options}, where)
+    config: TrainingConfig = read_as(
+        table_of(TrainingConfig),
+        {**values, **given, "options": options},
+        "the training configuration" if path is None else path,
+    )
+    return config

@@ -9,6 +9,7 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from physgnn import choices
 from physgnn.dataset.store import Store
 from physgnn.dataset.work import Result, Work, each
 from physgnn.errors import InputError
@@ -20,7 +21,7 @@ from physgnn.mechanics.solver import Solver
 from physgnn.progress import Progress
 
 ALREADY_THERE = "already there"
-DEFAULT_SOLVER = "physgnn"
+DEFAULT_SOLVER = choices.Solver.PHYSGNN
 
 
 class CanSolve(Protocol):
@@ -92,7 +93,7 @@ def _febio_solver(store: Store) -> CanSolve:
 
 SOLVERS: Mapping[str, Callable[[Store], CanSolve]] = {
     DEFAULT_SOLVER: _own_solver,
-    "febio": _febio_solver,
+    choices.Solver.FEBIO: _febio_solver,
 }
 """The store's provenance names one."""
 

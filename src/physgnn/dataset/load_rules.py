@@ -4,7 +4,7 @@ A rule is a frozen dataclass with a method ``on``; `Gravity` needs none, it fits
 is.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -108,6 +108,14 @@ class MeasuredPlaces:
 
 
 LoadRule: TypeAlias = PressureOn | Shift | MeasuredPlaces | Gravity
+
+MORE_LOADS: Mapping[str, type[LoadRule]] = {
+    "pressure": PressureOn,
+    "gravity": Gravity,
+    "displacement": Shift,
+    "measured": MeasuredPlaces,
+}
+"""Each by the ``kind`` that a file names it by."""
 
 
 def loads_on(mesh: TetMesh, rules: Sequence[LoadRule]) -> tuple[Load, ...]:

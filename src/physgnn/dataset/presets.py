@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from physgnn import choices
 from physgnn.dataset.load_rules import Paths
 from physgnn.errors import InputError
 from physgnn.geometry import point_sets
@@ -86,13 +87,13 @@ BRAIN_AND_TUMOUR: Mapping[int, Material] = {
 PUBLISHED_FIXED = HalfSpace((20.0, 0.0), (80.0, 90.0, 120.0), "<", 265.0)
 
 PRESETS: Mapping[str, Preset] = {
-    "paper-1": Preset(
+    choices.Preset.PAPER_1: Preset(
         BRAIN_AND_TUMOUR,
         partial(single_node_paths, force_n=1.35, n_levels=30),
         fixed=PUBLISHED_FIXED,
         loaded=HalfSpace((15.0, 20.0), (80.0, 110.0, 130.0), ">", 275.5),
     ),
-    "paper-2": Preset(
+    choices.Preset.PAPER_2: Preset(
         BRAIN_AND_TUMOUR,
         partial(all_node_paths, total_force_n=20.0, n_levels=30, n_paths=165),
         fixed=PUBLISHED_FIXED,
@@ -100,7 +101,7 @@ PRESETS: Mapping[str, Preset] = {
     ),
     # A craniotomy over the tumour of the bundled MNI152 case; skull over the rest. The
     # smallest patches are one node.
-    "demo": Preset(
+    choices.Preset.DEMO: Preset(
         BRAIN_AND_TUMOUR,
         partial(
             push_paths,
@@ -115,7 +116,7 @@ PRESETS: Mapping[str, Preset] = {
         loaded=Nearest((39.7, 8.8, 62.5), 60),
     ),
     # Loads as strong as the second published set's, on whatever the mesh lays open.
-    "family": Preset(
+    choices.Preset.FAMILY: Preset(
         BRAIN_AND_TUMOUR,
         partial(traction_paths, traction_pa=2200.0, n_levels=10, n_paths=6),
     ),

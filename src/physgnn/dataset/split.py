@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from physgnn import choices
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 
 IntArray = NDArray[np.int64]
 
 TRAIN, VALIDATION, TEST = 0.7, 0.2, 0.1  # as published
-MESH = "mesh"
+MESH = choices.Split.MESH
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +101,9 @@ def split_node(store: Store, seed: int = 0) -> Split:
 
 
 SPLITS: dict[str, Callable[..., Split]] = {
-    "published": split_published,
-    "path": split_path,
-    "node": split_node,
+    choices.Split.PUBLISHED: split_published,
+    choices.Split.PATH: split_path,
+    choices.Split.NODE: split_node,
 }
 
 

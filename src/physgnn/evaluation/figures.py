@@ -12,6 +12,7 @@ from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from physgnn.choices import Estimate
 from physgnn.dataset.store import Store
 from physgnn.evaluation import scenes
 from physgnn.evaluation.charts import estimate_chart, histogram_chart, level_chart
@@ -178,7 +179,8 @@ def _draw_slices(
     store: Store, model: ModelErrors, predict: Predict, folder: Path
 ) -> Picture:
     sample = max(model.samples, key=lambda s: s.largest_displacement)
-    predicted = predict(store.load_case(sample.path, sample.level)).displacement
+    case = store.load_case(sample.path, sample.level)
+    predicted = predict(case, estimate=Estimate.QUICK).displacement
     image = bundled_t1(store.mesh)
     shown = "The tissues" if image is None else "The T1-weighted image"
     return _save(
@@ -197,7 +199,7 @@ def _draw_worst(
     sample = model.worst
     case = store.load_case(sample.path, sample.level)
     truth = store.displacement(sample.path)[sample.level].astype(np.float64)
-    predicted = predict(case).displacement
+    predicted = predict(case, estimate=Estimate.QUICK).displacement
     error = np.linalg.norm(truth - predicted, axis=1)
     limits = (0.0, float(np.percentile(np.linalg.norm(truth, axis=1), SATURATED)))
     errors = (0.0, float(np.percentile(error, SATURATED)))

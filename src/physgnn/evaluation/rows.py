@@ -8,10 +8,11 @@ from typing import Any
 
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.learning.checkpoint import WEIGHTS, check_mesh, read_record
+from physgnn.learning.checkpoint import check_mesh, read_record
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.run_record import processor_minutes
 from physgnn.prediction.prediction import Predict
-from physgnn.prediction.predictor import CALIBRATION_FILE, Predictor
+from physgnn.prediction.predictor import Predictor
 
 CERTIFIED = "certified"
 
@@ -90,8 +91,9 @@ def load_predictor(run: Path, store: Store, precision: str = "float32") -> Predi
 def _run_row(
     run: Path, record: dict[str, Any], name: str, store: Store, precision: str
 ) -> Row:
-    files = (run / file for file in (WEIGHTS, CALIBRATION_FILE))
-    contents = [file.read_bytes() for file in files if file.is_file()]
+    files = RunFolder(run)
+    follows_from = (files.weights, files.calibration)
+    contents = [file.read_bytes() for file in follows_from if file.is_file()]
     rough = [] if precision == "float32" else [precision.encode()]
     return Row(
         name,

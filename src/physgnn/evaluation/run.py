@@ -34,6 +34,7 @@ from physgnn.evaluation.rows import Row, certified, load_predictor, run_rows
 from physgnn.evaluation.tables import accuracy_table
 from physgnn.learning.checkpoint import Checkpoint, read_record
 from physgnn.learning.model_card import write_model_card
+from physgnn.learning.run_folder import EvaluationFolder, RunFolder
 from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.predictor import Predictor
 from physgnn.progress import Progress
@@ -84,7 +85,8 @@ def evaluate_runs(
     store_path : path
         The dataset, on the mesh of the runs or, for split ``mesh``, on another.
     split : str or Split
-        A row of `SPLITS`, with its default seed, or ``mesh``, or the samples.
+        A row of `physgnn.dataset.SPLITS`, with its default seed, or ``mesh``, or the
+        samples.
     comparison : Comparison
         What stands beside them.
     out : path, optional
@@ -106,15 +108,15 @@ def evaluate_runs(
         check_unseen(read_record(run), held_out, run)
     rows = _rows(folders, held_out, comparison)
     run = folders[-1]
-    out = out or run / f"evaluation-{held_out.split}"
-    kept = KeptRows(out / "rows", held_out)
+    files = EvaluationFolder(out) if out else RunFolder(run).evaluation(held_out.split)
+    kept = KeptRows(files.rows, held_out)
     report = evaluate(rows, held_out, kept=kept, progress=progress)
     predictor = load_predictor(run, held_out.store, comparison.precision)
     bars = measure_bars(predictor, held_out, progress=progress)
     report = report.with_facts(
         **_facts(report, held_out, predictor, run, command), error_bars=bar_facts(bars)
     )
-    write_evaluation(report, held_out.store, predictor, out, bars)
+    write_evaluation(report, held_out.store, predictor, files.path, bars)
     write_model_card(run, errors=accuracy_table(report).text())
     return report
 
@@ -166,12 +168,13 @@ def write_evaluation(
 ) -> None:
     """Write metrics.json, error-bars.json, figures/ and report.html into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    report.write(folder / "metrics.json")
-    write_bars(bars, folder / "error-bars.json")
-    pictures = draw_figures(report, store, predictor, folder / "figures")
+    files = EvaluationFolder(folder)
+    report.write(files.metrics)
+    write_bars(bars, files.error_bars)
+    pictures = draw_figures(report, store, predictor, files.figures)
     if bars:
-        pictures = (*pictures, draw_bars(bars, folder / "figures"))
-    write_report(report, pictures, folder / "report.html")
+        pictures = (*pictures, draw_bars(bars, files.figures))
+    write_report(report, pictures, files.report)
 
 
 def solve_seconds(

@@ -11,7 +11,6 @@ from physgnn.geometry.point_sets import (
     Rule,
     Sphere,
     Union,
-    rule_from_table,
     select,
 )
 from physgnn.geometry.quality import Quality, check_quality, quality
@@ -54,7 +53,6 @@ __all__ = [
     "mni152_phantom",
     "paper_max_volume",
     "quality",
-    "rule_from_table",
     "select",
     "tetrahedralize",
     "vertex_normals",

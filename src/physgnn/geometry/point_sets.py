@@ -17,8 +17,7 @@ A rule is chosen by its kind and selects among the points of the outer surface::
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,7 +151,7 @@ class Union:
 
     Parameters
     ----------
-    of : sequence of rules (in TOML: of tables)
+    of : sequence of rules
         The rules.
     """
 
@@ -161,7 +160,7 @@ class Union:
     def __post_init__(self) -> None:
         if not isinstance(self.of, list | tuple) or not self.of:
             raise InputError(f"of must be a list of one rule or more (got {self.of!r})")
-        object.__setattr__(self, "of", tuple(_as_rule(rule) for rule in self.of))
+        object.__setattr__(self, "of", tuple(self.of))
 
     def select(self, surface: Surface) -> IntArray:
         """Return the union, ascending."""
@@ -174,14 +173,11 @@ class Complement:
 
     Parameters
     ----------
-    of : rule (in TOML: a table)
+    of : rule
         The rule.
     """
 
     of: "Rule"
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "of", _as_rule(self.of))
 
     def select(self, surface: Surface) -> IntArray:
         """Return the other points of the surface, ascending."""
@@ -226,41 +222,9 @@ def select(body: TetMesh | Surface, rule: Rule) -> IntArray:
     return chosen
 
 
-def rule_from_table(table: Mapping[str, Any]) -> Rule:
-    """Return the rule that a TOML table describes.
-
-    Raises
-    ------
-    InputError
-        If the kind is unknown, or a key is unknown or missing.
-    """
-    if not isinstance(table, Mapping) or table.get("kind") not in RULES:
-        kind = table.get("kind") if isinstance(table, Mapping) else table
-        raise InputError(
-            f"a point set needs kind = one of {', '.join(RULES)} (got {kind!r})"
-        )
-    rule = RULES[table["kind"]]
-    allowed = [field.name for field in fields(rule)]
-    given = {key: value for key, value in table.items() if key != "kind"}
-    for wrong, word in (
-        ([key for key in given if key not in allowed], "unknown"),
-        ([key for key in allowed if key not in given], "missing"),
-    ):
-        if wrong:
-            raise InputError(
-                f"{word} key {wrong[0]!r} in a point set of kind "
-                f"{table['kind']!r} (its keys: kind, {', '.join(allowed)})"
-            )
-    return rule(**given)
-
-
 def _whole_faces(surface: Surface, inside: Mask) -> IntArray:
     chosen = surface.faces[inside[surface.faces].all(axis=1)]
     return np.unique(chosen).astype(np.int64)
-
-
-def _as_rule(value: Any) -> Rule:
-    return value if isinstance(value, Rule) else rule_from_table(value)
 
 
 def _set_vector(rule: Rule, name: str, size: int) -> None:

@@ -7,11 +7,12 @@ from typing import Any
 
 from lightning.pytorch import Callback, Trainer
 
+from physgnn.choices import Clock
 from physgnn.learning.training_config import TrainingConfig
 
 CLOCKS: Mapping[str, Callable[[], float]] = {
-    "wall": time.monotonic,
-    "processor": time.process_time,  # of all threads
+    Clock.WALL: time.monotonic,
+    Clock.PROCESSOR: time.process_time,  # of all threads
 }
 """What can be counted, in seconds."""
 

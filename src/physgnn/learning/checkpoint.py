@@ -15,13 +15,13 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.atomic import whole_file
 from physgnn.learning.models import build_model
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.materials.table import material_from_config, material_to_config
 
 FORMAT_VERSION = 1
-WEIGHTS, RECORD, CASE = "weights.safetensors", "run.json", "case.vtu"
 FIXED = "fixed"
 
 
@@ -48,11 +48,11 @@ class Checkpoint:
 
     def save(self, run: str | Path) -> None:
         """Write the run folder; each file appears whole or not at all."""
-        run = Path(run)
-        run.mkdir(parents=True, exist_ok=True)
+        files = RunFolder(Path(run))
+        files.path.mkdir(parents=True, exist_ok=True)
         body = self.body
-        if not (run / CASE).exists():
-            write_mesh(run / CASE, body.mesh.with_point_sets(**{FIXED: body.fixed}))
+        if not files.case.exists():
+            write_mesh(files.case, body.mesh.with_point_sets(**{FIXED: body.fixed}))
         record = {
             "format_version": FORMAT_VERSION,
             "mesh_hash": body.mesh.content_hash,
@@ -64,9 +64,9 @@ class Checkpoint:
             **self.record,
         }
         arrays = self.model.arrays()
-        with whole_file(run / WEIGHTS) as part:
+        with whole_file(files.weights) as part:
             save_file({k: np.asarray(v, order="C") for k, v in arrays.items()}, part)
-        with whole_file(run / RECORD) as part:
+        with whole_file(files.record) as part:
             part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
 
     @classmethod
@@ -85,24 +85,25 @@ class Checkpoint:
             the one the weights were trained on.
         """
         run = Path(run)
+        files = RunFolder(run)
         record = read_record(run)
-        mesh = read_mesh(run / CASE)
+        mesh = read_mesh(files.case)
         check_mesh(record, mesh, run)
         materials = {
             int(region): material_from_config(values)
             for region, values in record["materials"].items()
         }
         element = record.get("element", DEFAULT_ELEMENT)
-        fixed, factors = mesh.point_set(FIXED), run / "factors"
+        fixed, factors = mesh.point_set(FIXED), files.factors
         body = Body(mesh, materials, fixed, element=element, factors=factors)
         config = record["config"]
         model = build_model(config["model"], body, **config["options"])
         try:
-            model.restore(load_file(run / WEIGHTS))
+            model.restore(load_file(files.weights))
         except (OSError, SafetensorError, RuntimeError, LookupError) as error:
             raise InputError(
-                f"{run / WEIGHTS} doesn't hold the weights that {RECORD} describes "
-                f"({str(error).splitlines()[0]}); train again"
+                f"{files.weights} doesn't hold the weights that {files.record.name} "
+                f"describes ({str(error).splitlines()[0]}); train again"
             ) from error
         return cls(model, record)
 
@@ -112,20 +113,23 @@ def check_mesh(record: Mapping[str, Any], mesh: TetMesh, run: Path) -> None:
     if mesh.content_hash != record["mesh_hash"]:
         raise InputError(
             f"{run} was trained on another mesh ({record['mesh_hash'][:12]}…, got "
-            f"{mesh.content_hash[:12]}…): use its own {CASE}, or train on this one"
+            f"{mesh.content_hash[:12]}…): use its own "
+            f"{RunFolder(run).case.name}, or train on this one"
         )
 
 
 def read_record(run: Path) -> dict[str, Any]:
     """Return a run's record; InputError if the folder is no finished run."""
-    missing = [name for name in (RECORD, WEIGHTS, CASE) if not (run / name).is_file()]
+    files = RunFolder(run)
+    needed = (files.record, files.weights, files.case)
+    missing = [file.name for file in needed if not file.is_file()]
     if missing:
         raise InputError(f"{run} is no finished run: it has no {', '.join(missing)}")
     try:
-        record = json.loads((run / RECORD).read_text())
+        record = json.loads(files.record.read_text())
         version = record["format_version"]
     except (ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{run / RECORD} is damaged: {error}") from error
+        raise InputError(f"{files.record} is damaged: {error}") from error
     if version != FORMAT_VERSION:
         raise InputError(
             f"{run} is of version {version}, this program reads {FORMAT_VERSION}: "

@@ -6,10 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from physgnn.io.atomic import whole_file
-from physgnn.learning.checkpoint import RECORD
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.run_record import processor_minutes
-
-CARD = "model_card.md"
 
 LIMITS = (
     "It knows one mesh, its materials and its fixed points; another brain, or another "
@@ -33,9 +31,9 @@ def write_model_card(run: str | Path, errors: str | None = None) -> None:
         What an evaluation measured, as Markdown; without, the card says that there
         has been none.
     """
-    run = Path(run)
-    record = json.loads((run / RECORD).read_text("utf-8"))
-    with whole_file(run / CARD) as part:
+    files = RunFolder(Path(run))
+    record = json.loads(files.record.read_text("utf-8"))
+    with whole_file(files.model_card) as part:
         part.write_text(card(record, errors), "utf-8")
 
 

@@ -5,13 +5,14 @@ from collections.abc import Mapping
 import torch
 from torch import nn
 
+from physgnn.choices import Precision
 from physgnn.errors import InputError
 from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.physgnn import PhysGNN
 
 PRECISIONS: Mapping[str, torch.dtype | None] = {
-    "float32": None,
-    "bfloat16": torch.bfloat16,
+    Precision.FLOAT32: None,
+    Precision.BFLOAT16: torch.bfloat16,
 }
 
 

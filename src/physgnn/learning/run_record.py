@@ -12,9 +12,9 @@ import numpy as np
 
 from physgnn.dataset.split import Split
 from physgnn.errors import InputError
-from physgnn.learning.checkpoint import RECORD
 from physgnn.learning.members import Splits, Stores, members_of
 from physgnn.learning.models import resolved_options
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.training_config import TrainingConfig
 
 VERSIONED = ("physgnn", "torch", "lightning", "numpy")
@@ -103,7 +103,7 @@ def check_same_run(run: Path, record: Mapping[str, Any]) -> None:
     Only budget and memory may differ.
     """
     try:
-        earlier = json.loads((run / RECORD).read_text())
+        earlier = json.loads(RunFolder(run).record.read_text())
     except (OSError, ValueError) as error:
         raise InputError(f"{run} holds no run to resume; start a new one") from error
     for part, what in (("data", "hash"), ("split", "hash")):

@@ -7,6 +7,7 @@ from typing import Any
 from lightning.pytorch import Callback, LightningModule, Trainer
 from torch.optim.lr_scheduler import ReduceLROnPlateau
 
+from physgnn.choices import Schedule
 from physgnn.learning.budget import Budget
 from physgnn.learning.lightning_module import VALIDATION_LOSS
 from physgnn.learning.training_config import TrainingConfig
@@ -65,6 +66,6 @@ class Cosine(Callback):
 
 
 SCHEDULES: Mapping[str, type[Plateau] | type[Cosine]] = {
-    "plateau": Plateau,
-    "cosine": Cosine,
+    Schedule.PLATEAU: Plateau,
+    Schedule.COSINE: Cosine,
 }

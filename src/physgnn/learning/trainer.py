@@ -14,9 +14,8 @@ from lightning.pytorch.loggers import TensorBoardLogger
 from physgnn.errors import InputError
 from physgnn.learning.callbacks import KeepState
 from physgnn.learning.lightning_module import VALIDATION_LOSS
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.training_config import TrainingConfig
-
-LAST = "last.ckpt"
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ def make_trainer(
         strategy="ddp" if machine.devices * machine.num_nodes > 1 else "auto",
         use_distributed_sampler=False,
         max_epochs=config.max_epochs,
-        callbacks=[*callbacks, patience, KeepState(run / LAST)],
+        callbacks=[*callbacks, patience, KeepState(RunFolder(run).state)],
         logger=TensorBoardLogger(run, name="tensorboard", version=""),
         default_root_dir=run,
         num_sanity_val_steps=0,

@@ -17,7 +17,7 @@ from physgnn.io.atomic import whole_file
 from physgnn.learning.batches import Samples, Share
 from physgnn.learning.budget import Budget
 from physgnn.learning.callbacks import KeepBest, MetricsFile, Report
-from physgnn.learning.checkpoint import RECORD, WEIGHTS, Checkpoint
+from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.graph import graph_of
 from physgnn.learning.lightning_module import TrainingModule
 from physgnn.learning.losses import LOSSES
@@ -36,6 +36,7 @@ from physgnn.learning.model_card import write_model_card
 from physgnn.learning.models import build_model, model_class
 from physgnn.learning.network import Network
 from physgnn.learning.precision import set_precision
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.run_record import (
     check_same_run,
     new_record,
@@ -45,12 +46,11 @@ from physgnn.learning.run_record import (
 from physgnn.learning.sample_cache import SampleCache
 from physgnn.learning.schedules import SCHEDULES
 from physgnn.learning.threads import only_side_by_side
-from physgnn.learning.trainer import LAST, Machine, make_trainer, quiet
+from physgnn.learning.trainer import Machine, make_trainer, quiet
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.learning.workspace import reused_memory
 from physgnn.progress import Progress
 
-METRICS = "metrics.csv"
 JUDGED_ON = 100  # validation samples, of what is fitted in one go; they decide nothing
 ONE_PROCESS = Machine()
 
@@ -141,7 +141,7 @@ def train(
             TrainingModule(models, config, at_once),
             training_batches(samples, config.batch_size, config.seed, share),
             validation_batches(held_out, at_once, share),
-            ckpt_path=run / LAST if resume else None,
+            ckpt_path=RunFolder(run).state if resume else None,
             weights_only=True,
         )
     if trainer.is_global_zero:
@@ -187,15 +187,18 @@ def _seeded(seed: int) -> Iterator[None]:
 
 def _prepare(run: Path, record: dict[str, Any], *, resume: bool) -> None:
     """Make the run's folder, with its record; InputError if what it holds won't do."""
+    files = RunFolder(run)
     if resume:
         check_same_run(run, record)
-        if not (run / LAST).exists():
-            raise InputError(f"{run} holds no run to resume: it has no {LAST}")
-    elif (run / WEIGHTS).exists() or (run / LAST).exists():
+        if not files.state.exists():
+            raise InputError(
+                f"{run} holds no run to resume: it has no {files.state.name}"
+            )
+    elif files.weights.exists() or files.state.exists():
         raise InputError(f"{run} holds a run already: resume it, or name another")
     else:
         run.mkdir(parents=True, exist_ok=True)
-        with whole_file(run / RECORD) as part:
+        with whole_file(files.record) as part:
             part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
 
 
@@ -229,5 +232,5 @@ def _watchers(
 ) -> list[Callback]:
     """Return what follows the epochs: the learning rate, the records, the bar."""
     schedule = SCHEDULES[config.schedule](config, budget)
-    file = MetricsFile(run / METRICS, budget)
+    file = MetricsFile(RunFolder(run).metrics, budget)
     return [schedule, file, *([Report(progress, budget)] if progress else [])]

@@ -4,13 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from physgnn import choices
 from physgnn.errors import InputError
-from physgnn.learning.losses import LOSSES
 from physgnn.learning.models import MODELS, is_model
-from physgnn.learning.precision import PRECISIONS
-
-SCHEDULE_NAMES = ("plateau", "cosine")
-CLOCK_NAMES = ("wall", "processor")
 
 
 @dataclass(frozen=True)
@@ -84,13 +80,13 @@ class TrainingConfig:
                 f"model must be one of {', '.join(MODELS)}, or module:Class of your "
                 f"own (got {self.model})"
             )
-        for name, choices in (
-            ("loss", LOSSES), ("schedule", SCHEDULE_NAMES), ("precision", PRECISIONS),
-            ("clock", CLOCK_NAMES),
+        for name, allowed in (
+            ("loss", choices.Loss), ("schedule", choices.Schedule),
+            ("precision", choices.Precision), ("clock", choices.Clock),
         ):  # fmt: skip
-            if getattr(self, name) not in choices:
+            if getattr(self, name) not in [*allowed]:
                 raise InputError(
-                    f"{name} must be one of {', '.join(choices)} "
+                    f"{name} must be one of {', '.join(allowed)} "
                     f"(got {getattr(self, name)})"
                 )
         for name in (

@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from physgnn.choices import Element
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh, shape_gradients
 from physgnn.mechanics.averaging import (
@@ -25,8 +26,8 @@ from physgnn.mechanics.materials.table import MAX_CONSTANTS, Material, law_index
 
 FloatArray = NDArray[np.float64]
 
-ELEMENTS = ("tet4", "tet4-averaged")
-DEFAULT_ELEMENT = "tet4"
+ELEMENTS = tuple(Element)
+DEFAULT_ELEMENT = Element.TET4
 NO_PRESSURE = np.empty(0)
 
 

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.choices import Estimate
 from physgnn.mechanics.loads import LoadCase
 
 FloatArray = NDArray[np.float64]
@@ -106,7 +107,7 @@ class Prediction:
     seconds : float
         Wall-clock time of the answer, the estimate included.
     likely_error_mm : LikelyError or None
-        None unless the physical estimate was asked for.
+        None if only the quick bounds were asked for.
     """
 
     displacement: FloatArray
@@ -120,7 +121,11 @@ class Predict(Protocol):
     """What turns a load case into a prediction: a `Predictor`, a solver."""
 
     def __call__(
-        self, load_case: LoadCase, *, tolerance_mm: float | None = None
+        self,
+        load_case: LoadCase,
+        *,
+        tolerance_mm: float | None = None,
+        estimate: str = Estimate.PHYSICAL,
     ) -> Prediction:
-        """Return the displacement under `load_case`."""
+        """Return the displacement under `load_case`; see `Predictor`."""
         ...

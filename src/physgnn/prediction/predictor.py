@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from physgnn.choices import Estimate
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.loads import LoadCase
@@ -28,10 +30,6 @@ from physgnn.prediction.repair import (
     repair,
     where_to_begin,
 )
-
-CALIBRATION_FILE = "calibration.json"
-RELAXATION_FILE = "calibration-relaxation.json"
-ESTIMATES = ("quick", "physical")
 
 
 class Predictor:
@@ -92,16 +90,16 @@ class Predictor:
             If the folder holds no checkpoint, or one of another version, or the model
             has nothing that the precision would change.
         """
-        run = Path(run)
+        files = RunFolder(Path(run))
         surrogate = Checkpoint.load(run).model
         surrogate.prepare(device=device, precision=precision)
         predictor = cls(
             surrogate,
-            calibration=_read_if_there(run / CALIBRATION_FILE),
-            relaxation=_read_if_there(run / RELAXATION_FILE),
+            calibration=_read_if_there(files.calibration),
+            relaxation=_read_if_there(files.relaxation),
         )
         for case in surrogate.warm_up_cases() if warm else ():
-            predictor(case)
+            predictor(case, estimate=Estimate.QUICK)
         return predictor
 
     def __call__(
@@ -109,7 +107,7 @@ class Predictor:
         load_case: LoadCase,
         *,
         tolerance_mm: float | None = None,
-        estimate: str = "quick",
+        estimate: str = Estimate.PHYSICAL,
     ) -> Prediction:
         """Return the displacement under a load case.
 
@@ -122,9 +120,9 @@ class Predictor:
             bound is above it, or they promise nothing, the answer is taken to the
             finite-element equilibrium.
         estimate : str
-            Row of `ESTIMATES`: "quick" bounds the error within milliseconds,
-            "physical" says how large it seems, and bounds it more sharply, by a few
-            steps of the solver.
+            One of `physgnn.choices.Estimate`: "physical" says how large the error
+            seems, and bounds it sharply, by a few steps of the solver; "quick" bounds
+            it more coarsely within milliseconds.
 
         Raises
         ------
@@ -136,14 +134,14 @@ class Predictor:
         load_case.check_against(self.body.mesh, self.body.fixed)
         if tolerance_mm is not None and not tolerance_mm > 0:
             raise InputError(f"tolerance_mm must be > 0 (got {tolerance_mm})")
-        if estimate not in ESTIMATES:
+        if estimate not in [*Estimate]:
             raise InputError(
-                f"estimate must be one of {', '.join(ESTIMATES)} (got {estimate})"
+                f"estimate must be one of {', '.join(Estimate)} (got {estimate})"
             )
         displacement = self.surrogate.predict(load_case)
         status = self._status(load_case)
         bounds, likely = None, None
-        if estimate == "quick" and tolerance_mm is None:
+        if estimate == Estimate.QUICK and tolerance_mm is None:
             bounds = self._quick(load_case, displacement)
         else:
             relaxed = self.relax(load_case, displacement)

@@ -15,6 +15,7 @@ from physgnn.dataset.store import Store
 from physgnn.dataset.training_loads import sample_forces
 from physgnn.learning.adaptation import adapt
 from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.run_folder import RunFolder
 from physgnn.prediction.calibration import (
     COVERAGES,
     RELAXATION,
@@ -26,7 +27,7 @@ from physgnn.prediction.calibration import (
     thinned,
 )
 from physgnn.prediction.indicators import INDICATORS, Indicator
-from physgnn.prediction.predictor import CALIBRATION_FILE, RELAXATION_FILE, Predictor
+from physgnn.prediction.predictor import Predictor
 from physgnn.prediction.trained_range import TrainedRange
 from physgnn.progress import Progress
 
@@ -37,8 +38,8 @@ class Kind:
 
     Attributes
     ----------
-    file : str
-        Where a run keeps its calibration.
+    file : callable
+        From a run folder to where it keeps its calibration.
     indicator : str
         What is scaled.
     measure : callable
@@ -47,7 +48,7 @@ class Kind:
         Samples to calibrate on, at most.
     """
 
-    file: str
+    file: Callable[[RunFolder], Path]
     indicator: str
     measure: Callable[[Predictor], Indicator]
     most: int
@@ -57,10 +58,15 @@ def kinds_of_bounds(indicator: str) -> tuple[Kind, ...]:
     """Return the quick bounds, by a row of `INDICATORS`, and the sharper ones."""
     quick = INDICATORS[indicator]
     return (
-        Kind(CALIBRATION_FILE, indicator, lambda p: quick(p.surrogate), 10_000),
+        Kind(
+            lambda run: run.calibration,
+            indicator,
+            lambda p: quick(p.surrogate),
+            10_000,
+        ),
         # A sample of these costs about ten of the quick ones, and what counts is how
         # many load paths they come from.
-        Kind(RELAXATION_FILE, RELAXATION, lambda p: p.error, 150),
+        Kind(lambda run: run.relaxation, RELAXATION, lambda p: p.error, 150),
     )
 
 
@@ -104,7 +110,7 @@ def calibrate_run(
             coverages=coverages,
             progress=progress,
         )
-        calibration.write(Path(run) / kind.file)
+        calibration.write(kind.file(RunFolder(Path(run))))
         made.append(calibration)
     return made[0]
 
@@ -169,7 +175,7 @@ def calibrate_family(
         calibration = from_scores(
             kind.indicator, np.concatenate(found), patients, loads, coverages
         )
-        calibration.write(Path(run) / kind.file)
+        calibration.write(kind.file(RunFolder(Path(run))))
         made.append(calibration)
     return made[0]
 

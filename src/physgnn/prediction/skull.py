@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.choices import Skull
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces, boundary_surface
 from physgnn.geometry.normals import area_vectors, vertex_normals
@@ -106,6 +107,6 @@ def point_areas(mesh: TetMesh) -> FloatArray:
 
 
 SUPPORTS: Mapping[str, Callable[[Body], Support]] = {
-    "fixed": fixed_support,
-    "sliding": sliding_support,
+    Skull.FIXED: fixed_support,
+    Skull.SLIDING: sliding_support,
 }

@@ -4,6 +4,7 @@ import asyncio
 import json
 from collections.abc import AsyncIterator, Awaitable, Callable
 
+from physgnn.choices import Estimate
 from physgnn.errors import InputError
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Prediction
@@ -111,7 +112,7 @@ class Session:
             raise InputError(f"there is no {name} here: only a mesh is on show")
 
         def job() -> tuple[Prediction, bytes]:
-            prediction = predict(case)
+            prediction = predict(case, estimate=Estimate.QUICK)
             solved = SolvedLoad(name, case, prediction)
             return prediction, answer_frame(self._engine, push, solved, self._cut)
 

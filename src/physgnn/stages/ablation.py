@@ -5,7 +5,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,12 +13,17 @@ from physgnn.dataset import Split, Store, named_split
 from physgnn.errors import InputError
 from physgnn.evaluation.ablation_chart import Point, draw_ablation
 from physgnn.io.atomic import write_whole
+from physgnn.learning.run_folder import RunFolder
 from physgnn.learning.training import train
 from physgnn.learning.training_config import TrainingConfig
 from physgnn.progress import Progress
-from physgnn.stages.reproduction import can_resume
+from physgnn.stages.pipeline import can_resume
+
+if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
+    from physgnn.evaluation.ablation_chart import Point
 
 RESULTS = "ablation.json"
+FIGURE = "ablation.png"
 BATCH_SIZE = {1: 4, 2: 8}  # as published
 # Replaced layers → configuration, of dataset 1 and of dataset 2. Layer types are tried
 # with each dataset's best aggregation, of which a row of the first ablation is part.
@@ -69,6 +74,50 @@ class Ablation:
 
 
 def ablate(
+    out: str | Path,
+    *,
+    dataset_1: str | Path | None = None,
+    dataset_2: str | Path | None = None,
+    epochs: int = 3,
+    samples: int = 400,
+    seeds: int = 3,
+    split: str = "published",
+    width: int = 112,
+    precision: str = "float32",
+    progress: Progress | None = None,
+) -> str:
+    """Compare configurations 1 to 12 at a reduced budget; a second call resumes.
+
+    Parameters
+    ----------
+    out : path
+        Gets a run folder a network, ablation.json and ablation.png.
+    dataset_1, dataset_2 : path, optional
+        Datasets of presets ``paper-1`` and ``paper-2``: one of them, or both.
+    epochs, samples, seeds, split, width, precision
+        See `Ablation`.
+    progress : callable, optional
+        Told after every network.
+
+    Returns
+    -------
+    str
+        The tables, Markdown.
+
+    Raises
+    ------
+    InputError
+        If no dataset is given, or the folder's results are of another budget.
+    """
+    given = {1: dataset_1, 2: dataset_2}
+    stores = {number: path for number, path in given.items() if path is not None}
+    if not stores:
+        raise InputError("give --dataset-1, --dataset-2 or both")
+    budget = Ablation(epochs, samples, seeds, split, width, precision)
+    return run_ablation(stores, budget, out, progress=progress)
+
+
+def run_ablation(
     stores: Mapping[int, str | Path],
     budget: Ablation,
     folder: str | Path,
@@ -117,11 +166,11 @@ def ablate(
         "Layers that add instead of taking the maximum": _points(losses, AGGREGATION),
         "Layers that weigh edges (GraphConv)": _points(losses, LAYER_TYPE),
     }
-    draw_ablation(panels, folder / "ablation.png")
+    draw_ablation(panels, folder / FIGURE)
     return table(panels)
 
 
-def table(panels: Mapping[str, Sequence[Point]]) -> str:
+def table(panels: Mapping[str, "Sequence[Point]"]) -> str:
     """Return the figure's numbers as Markdown."""
     lines = []
     for title, points in panels.items():
@@ -138,7 +187,9 @@ def table(panels: Mapping[str, Sequence[Point]]) -> str:
 
 def _points(
     losses: Mapping[tuple[int, int, int], float], rows: Mapping[int, tuple[int, int]]
-) -> list[Point]:
+) -> "list[Point]":
+    from physgnn.evaluation.ablation_chart import Point
+
     return [
         Point(dataset, replaced, tuple(losses[run] for run in runs))
         for dataset in sorted({run[0] for run in losses})
@@ -154,6 +205,7 @@ def _points(
 def _loss(
     path: str | Path, run: tuple[int, int, int], budget: Ablation, folder: Path
 ) -> float:
+
     dataset, configuration, seed = run
     store = Store.open(path, cache_bytes=128 * 2**20)
     config = TrainingConfig(
@@ -169,7 +221,7 @@ def _loss(
         precision=budget.precision,
     )
     out = folder / f"dataset-{dataset}-configuration-{configuration}-seed-{seed}"
-    resumed = can_resume(out)
+    resumed = can_resume(RunFolder(out))
     checkpoint = train(store, budget.part_of(store), config, out, resume=resumed)
     return float(checkpoint.record["training"]["best_validation_loss"])
 

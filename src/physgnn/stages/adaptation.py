@@ -9,6 +9,8 @@ import numpy as np
 from physgnn.dataset.presets import Preset, find_preset
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
+from physgnn.io import read_mesh
+from physgnn.stages.chosen_loads import chosen_preset
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,38 @@ class Adapted:
     n_points: int
     seconds: float
     coverage: float | None
+
+
+def adapt(
+    run: str | Path,
+    case: str | Path,
+    out: str | Path,
+    *,
+    preset: str | None = None,
+    loads: str | Path | None = None,
+) -> Adapted:
+    """Make a trained network ready for a patient it never saw, in seconds.
+
+    Parameters
+    ----------
+    run : path
+        Folder of a lifted network trained with modes = 0, best on several bodies.
+    case : path
+        The new patient's mesh, VTU.
+    out : path
+        Folder for the new run.
+    preset : str, optional
+        A row of ``PRESETS``; or else `loads`. Its load paths say what loads to expect.
+    loads : path, optional
+        TOML with point sets, materials and loads: see `physgnn.config.simulation`.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, the network belongs to its mesh, the loads do not fit
+        the mesh, or the folder holds a run already.
+    """
+    return adapt_run(run, read_mesh(case), chosen_preset(preset, loads), out)
 
 
 def adapt_run(
@@ -53,16 +87,16 @@ def adapt_run(
         If the network belongs to its mesh, the preset doesn't fit the mesh, or the
         folder holds a run already.
     """
-    from physgnn.learning.adaptation import adapt
-    from physgnn.learning.checkpoint import RECORD, Checkpoint
+    from physgnn.learning.adaptation import adapt as adapted
+    from physgnn.learning.checkpoint import Checkpoint
+    from physgnn.learning.run_folder import RunFolder
     from physgnn.mechanics.body import Body
     from physgnn.prediction.calibration import Calibration
-    from physgnn.prediction.predictor import CALIBRATION_FILE, RELAXATION_FILE
     from physgnn.prediction.run_calibration import on_new_loads
     from physgnn.prediction.trained_range import TrainedRange
 
     run, out = Path(run), Path(out)
-    if (out / RECORD).exists():
+    if RunFolder(out).record.exists():
         raise InputError(f"{out} holds a run already: name another folder")
     trained = Checkpoint.load(run)
     is_family = len(trained.record["data"].get("meshes", ())) > 1
@@ -72,11 +106,11 @@ def adapt_run(
     body = Body(mesh, preset.materials, element=preset.element)
     cases = [path.case(path.n_levels - 1) for path in paths]
     forces = np.stack([case.on_points(mesh.n_points) for case in cases])
-    adapt(trained, body, forces).save(out)
+    adapted(trained, body, forces).save(out)
     coverage, loads = None, TrainedRange.from_cases(cases)
-    for file in (CALIBRATION_FILE, RELAXATION_FILE):
-        if is_family and (run / file).is_file():
-            calibration = on_new_loads(Calibration.read(run / file), loads)
-            calibration.write(out / file)
+    for file in RunFolder(run).calibrations:
+        if is_family and file.is_file():
+            calibration = on_new_loads(Calibration.read(file), loads)
+            calibration.write(out / file.name)
             coverage = calibration.coverage
     return Adapted(mesh.n_points, time.perf_counter() - start, coverage)

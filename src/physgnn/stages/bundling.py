@@ -6,8 +6,11 @@ from pathlib import Path
 
 from physgnn.bundled import BUNDLED_RUN
 from physgnn.errors import InputError
-from physgnn.stages.demo import DEMO
-from physgnn.stages.pipeline import Log, Pipeline, Show
+from physgnn.learning.run_folder import RunFolder
+from physgnn.progress import Log, Show, no_log, no_show
+from physgnn.stages.demonstration import DEMO
+from physgnn.stages.pipeline import Pipeline
+from physgnn.stages.recipe import RUN
 
 MAX_BYTES = 5_000_000
 MADE_BY = "make bundled"
@@ -22,7 +25,11 @@ BUNDLED = replace(
 
 
 def bundle(
-    folder: str | Path, out: str | Path = BUNDLED_RUN, *, show: Show, log: Log
+    folder: str | Path,
+    out: str | Path | None = None,
+    *,
+    show: Show = no_show,
+    log: Log = no_log,
 ) -> Path:
     """Make the bundled model, some twenty minutes' work; return where it is.
 
@@ -30,10 +37,10 @@ def bundle(
     ----------
     folder : path
         Gets simulations, training and report; a second call goes on where one ended.
-    out : path
-        Gets what predictions need, and the model card.
+    out : path, optional
+        Gets what predictions need, and the model card; by default the package itself.
     show, log : callables
-        See `Pipeline`.
+        See `physgnn.stages.pipeline.Pipeline`.
 
     Raises
     ------
@@ -42,12 +49,12 @@ def bundle(
     """
     from physgnn.evaluation.tables import accuracy_table
 
-    out = Path(out)
-    pipeline = Pipeline(Path(folder), BUNDLED, show, log)
-    report = pipeline.run()
-    slim_copy(pipeline.trained, out, errors=accuracy_table(report).text())
-    check_size(out)
-    return out
+    target = BUNDLED_RUN if out is None else Path(out)
+    pipeline = Pipeline(Path(folder), BUNDLED.command, show, log)
+    report = BUNDLED.follow(pipeline)
+    slim_copy(pipeline.run(RUN).path, target, errors=accuracy_table(report).text())
+    check_size(target)
+    return target
 
 
 def check_size(run: Path) -> None:
@@ -70,15 +77,16 @@ def slim_copy(run: Path, out: Path, *, errors: str) -> None:
     errors : str
         For the model card, Markdown.
     """
-    from physgnn.learning.checkpoint import CASE, WEIGHTS, Checkpoint
+    from physgnn.learning.checkpoint import Checkpoint
     from physgnn.learning.model_card import write_model_card
 
+    files, copies = RunFolder(run), RunFolder(out)
     checkpoint = Checkpoint.load(run)
     data = {**checkpoint.record["data"], "path": MADE_BY, "paths": [MADE_BY]}
     out.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(run / CASE, out / CASE)
-    for calibration in run.glob("calibration*.json"):
+    shutil.copyfile(files.case, copies.case)
+    for calibration in files.calibrations:
         shutil.copyfile(calibration, out / calibration.name)
     Checkpoint(checkpoint.model, {**checkpoint.record, "data": data}).save(out)
-    (out / WEIGHTS).chmod(0o644)  # for whoever the package is installed for
+    copies.weights.chmod(0o644)  # for whoever the package is installed for
     write_model_card(out, errors)

@@ -1,83 +1,42 @@
-"""From the bundled surfaces to a trained and evaluated network, step by step.
+"""From surfaces to evaluated networks, step by step.
 
 Each step leaves its result under its final name only when it is whole, so a second run
 does what is missing and nothing else.
 """
 
-import os
+import json
+import math
 import shutil
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from physgnn import stages
 from physgnn.dataset import Preset
-from physgnn.geometry import mni152_phantom
+from physgnn.geometry import Surface
 from physgnn.io import read_mesh, write_mesh
-from physgnn.io.atomic import whole_file
-from physgnn.progress import Progress
+from physgnn.learning.run_folder import RunFolder
+from physgnn.progress import Log, Show, no_log, no_show
+from physgnn.stages.meshing import mesh_surfaces
+from physgnn.stages.simulation import processes, simulate_mesh
+from physgnn.stages.training import train_run
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.result import Report
-
-Show = Callable[[str], AbstractContextManager[Progress]]
-"""From a title to a context that yields a progress callback."""
-Log = Callable[[str], None]
-"""Told what is there already."""
-
-SPLIT = "path"
-MODEL = "lifted"
-SETTINGS: dict[str, Any] = {
-    "schedule": "cosine",
-    "early_stopping": 1000,  # the last, slow steps of a cosine are its best
-}
-REPORT = "report.html"
-
-
-@dataclass(frozen=True)
-class Recipe:
-    """What sets one way through the pipeline apart from another.
-
-    Attributes
-    ----------
-    command : str
-        For the record.
-    surface_points, target_points : int
-        About how many points the brain's surface has, and the mesh.
-    preset : str or Preset
-        What to simulate.
-    training_minutes : float
-        How long to train.
-    peers : tuple of str
-        Models to train as long and compare with, at their published settings.
-    baselines : str
-        What else to compare with: ``quick``, ``all``, or names with commas.
-    tolerance_mm : float, optional
-        Compare also with answers that are made to keep this.
-    """
-
-    command: str
-    surface_points: int
-    target_points: int
-    preset: str | Preset
-    training_minutes: float
-    peers: tuple[str, ...] = ()
-    baselines: str = "quick"
-    tolerance_mm: float | None = None
+    from physgnn.evaluation.run import Comparison
+    from physgnn.learning.training_config import TrainingConfig
 
 
 @dataclass(frozen=True)
 class Pipeline:
-    """A recipe and the folder its results go to.
+    """The steps, and the folder their results go to.
 
     Attributes
     ----------
     folder : Path
-        Gets case.vtu, loads.zarr, run/, the peers' runs and report.html.
-    recipe : Recipe
-        What to do.
+        Gets case.vtu, loads.zarr and a run folder for each network.
+    command : str
+        For the record.
     show : callable
         From a title to a context that yields a progress callback.
     log : callable
@@ -85,19 +44,9 @@ class Pipeline:
     """
 
     folder: Path
-    recipe: Recipe
-    show: Show
-    log: Log
-
-    def run(self) -> "Report":
-        """Do what is not done yet; returns the errors on paths never trained on."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        self._mesh()
-        self._simulate()
-        for model in self.recipe.peers:
-            self._train(model, self.folder / model)
-        self._train(MODEL, self.trained, **SETTINGS)
-        return self._evaluate()
+    command: str
+    show: Show = no_show
+    log: Log = no_log
 
     @property
     def case(self) -> Path:
@@ -109,86 +58,109 @@ class Pipeline:
         """The simulations."""
         return self.folder / "loads.zarr"
 
-    @property
-    def trained(self) -> Path:
-        """The run folder."""
-        return self.folder / "run"
-
-    @property
-    def report(self) -> Path:
-        """The page to read."""
-        return self.folder / REPORT
+    def run(self, name: str) -> RunFolder:
+        """Return the folder of a trained network."""
+        return RunFolder(self.folder / name)
 
     def is_there(self, path: Path) -> bool:
-        """Return whether a step's result is there, and say so if it is."""
+        """Return whether a step's result is there, and log it if it is."""
         if path.exists():
             self.log(f"{path}: there already")
         return path.exists()
 
-    def _mesh(self) -> None:
+    def mesh(
+        self,
+        surfaces: Callable[[], Sequence[Surface]],
+        *,
+        target_points: int | None = None,
+    ) -> None:
+        """Mesh a brain and what is in it.
+
+        Parameters
+        ----------
+        surfaces : callable
+            Returns the brain's surface and those inside it.
+        target_points : int, optional
+            About how many points the mesh shall have; by default the published rule.
+        """
+        self.folder.mkdir(parents=True, exist_ok=True)
         if self.is_there(self.case):
             return
         with self.show("meshing"):
-            phantom = mni152_phantom(n_points=self.recipe.surface_points)
-            mesh = stages.mesh_surfaces(
-                phantom.brain,
-                phantom.tumours,
-                target_points=self.recipe.target_points,
-                log=self.log,
+            brain, *inner = surfaces()
+            made = mesh_surfaces(
+                brain, inner, target_points=target_points, log=self.log
             )
-            write_mesh(self.case, mesh)
+            write_mesh(self.case, made)
 
-    def _simulate(self) -> None:
+    def simulate(self, preset: str | Preset) -> None:
+        """Solve the load paths of a preset."""
         with self.show("simulating") as progress:
-            _, did = stages.simulate(
+            _, did = simulate_mesh(
                 read_mesh(self.case),
-                self.recipe.preset,
+                preset,
                 self.store,
-                workers=os.cpu_count() or 1,
-                source={"mesh": str(self.case), "command": self.recipe.command},
+                workers=processes(),
+                source={"mesh": str(self.case), "command": self.command},
                 progress=progress,
             )
         if did.solved == 0:
             self.log(f"{self.store}: there already")
 
-    def _train(self, model: str, run: Path, **settings: Any) -> None:
-        from physgnn.learning.training_config import TrainingConfig
-
-        if self.is_there(run):
-            return
-        unfinished = run.with_name(f"{run.name}-unfinished")
-        minutes = self.recipe.training_minutes
-        config = TrainingConfig(model=model, max_minutes=minutes, **settings)
-        with self.show(f"training {model}") as progress:
-            stages.train(
-                self.store,
-                SPLIT,
-                config,
-                unfinished,
-                progress=progress,
-                resume=(unfinished / "last.ckpt").exists(),
+    def train(self, name: str, split: str, config: "TrainingConfig") -> RunFolder:
+        """Train a network; one that was given less time before is trained on."""
+        run, part = self.run(name), self.run(f"{name}-unfinished")
+        if _is_trained(run, config):
+            self.log(f"{run.path}: there already")
+            return run
+        if run.path.exists():
+            run.path.rename(part.path)
+        part.evaluation(split).report.unlink(missing_ok=True)  # of earlier weights
+        resume = can_resume(part)
+        with self.show(f"training {config.model}, split '{split}'") as progress:
+            train_run(
+                self.store, split, config, part.path, progress=progress, resume=resume
             )
-        unfinished.rename(run)
+        part.path.rename(run.path)
+        return run
 
-    def _evaluate(self) -> "Report":
+    def evaluate(
+        self,
+        runs: Sequence[RunFolder],
+        split: str,
+        *,
+        comparison: "Comparison | None" = None,
+    ) -> "Report":
+        """Measure networks on what none of them was trained on; the last is judged."""
         from physgnn.evaluation.result import Report
         from physgnn.evaluation.run import Comparison, evaluate_runs
 
-        made = self.trained / f"evaluation-{SPLIT}"
-        if self.is_there(self.report):
-            return Report.read(made / "metrics.json")
-        recipe = self.recipe
-        beside = Comparison(recipe.baselines, recipe.tolerance_mm)
-        runs = [*(self.folder / model for model in recipe.peers), self.trained]
+        made = runs[-1].evaluation(split)
+        if self.is_there(made.report):
+            return Report.read(made.metrics)
         with self.show("evaluating") as progress:
-            errors = evaluate_runs(
-                runs,
+            return evaluate_runs(
+                [run.path for run in runs],
                 self.store,
-                SPLIT,
-                comparison=beside,
-                command=recipe.command,
+                split,
+                comparison=comparison or Comparison(),
+                command=self.command,
                 progress=progress,
             )
-        with whole_file(self.report) as part:
-            shutil.copyfile(made / REPORT, part)
-        return errors
+
+
+def can_resume(run: RunFolder) -> bool:
+    """Return whether a run left a state; if not, clear away what it did leave."""
+    if run.state.exists():
+        return True
+    shutil.rmtree(run.path, ignore_errors=True)
+    return False
+
+
+def _is_trained(run: RunFolder, config: "TrainingConfig") -> bool:
+    """Return whether a run is whole, its error bounds too, and had the time asked."""
+    if not all(file.exists() for file in (run.record, *run.calibrations)):
+        return False
+    record = json.loads(run.record.read_text("utf-8"))
+    given = record["config"]["max_minutes"] or math.inf
+    return bool(given >= (config.max_minutes or math.inf))

@@ -3,12 +3,14 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from physgnn.bundled import BUNDLED_RUN
+
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.prediction.prediction import Prediction
 
 
 def predict(
-    run: str | Path,
+    run: str | Path | None,
     load: str | Path,
     out: str | Path,
     *,
@@ -23,8 +25,8 @@ def predict(
 
     Parameters
     ----------
-    run : path
-        Folder of a trained model.
+    run : path or None
+        Folder of a trained model; None takes the bundled one.
     load : path
         JSON.
     out : path
@@ -55,7 +57,7 @@ def predict(
 
     write = form_of(out, form).write
     grid = None if image is None else read_image(image).grid
-    predictor = Predictor.load(run, precision=precision, warm=False)
+    predictor = Predictor.load(run or BUNDLED_RUN, precision=precision, warm=False)
     body = predictor.body
     case = read_load_case(load, body.mesh)
     prediction = predictor(case, tolerance_mm=tolerance_mm, estimate=estimate)

@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from physgnn.config import read_materials
 from physgnn.errors import InputError
 from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.regions import REGIONS
@@ -32,10 +33,11 @@ def register(
     points: str | Path | None = None,
     target: str | Path | None = None,
     surface: str | Path | None = None,
+    noise_mm: float = 1.0,
+    skull: str = "fixed",
+    materials: str | Path | None = None,
     form: str | None = None,
     image: str | Path | None = None,
-    noise_mm: float = 1.0,
-    **body: Any,
 ) -> "Registration":
     """Find the displacement of a whole brain from what was measured of its surface.
 
@@ -50,15 +52,15 @@ def register(
     surface : path
         Instead of these, where the exposed surface lies now: see
         `physgnn.io.measured_surface.read_surface_points`.
-    form, image
-        See `physgnn.stages.predict`.
     noise_mm : float
         Standard deviation of each coordinate measured.
-    **body
-        ``materials`` (by region; by default the tissues of the published work: only
-        ratios of stiffness matter), ``fixed`` and ``element`` of
-        `physgnn.mechanics.Body`, ``skull`` of
-        `physgnn.prediction.registration.Registrar`.
+    skull : str
+        How the skull holds the brain: see `physgnn.prediction.registration.Registrar`.
+    materials : path, optional
+        TOML with ``[materials.<region>]`` tables; by default the tissues of the
+        published work. Only ratios of stiffness matter.
+    form, image
+        See `physgnn.stages.predict`.
 
     Raises
     ------
@@ -76,9 +78,8 @@ def register(
     else:
         raise InputError("give --points (and --target), or --surface")
     case = read_mesh(mesh)
-    materials = {**DEFAULT_MATERIALS, **body.pop("materials", {})}
-    skull = {"skull": body.pop("skull")} if "skull" in body else {}
-    registrar = Registrar(Body(case, materials, **body), **skull)
+    given = {} if materials is None else read_materials(materials)
+    registrar = Registrar(Body(case, {**DEFAULT_MATERIALS, **given}), skull=skull)
     found = registrar(measured, noise_mm=noise_mm)
     fields = {
         "displacement_mm": found.prediction.displacement,

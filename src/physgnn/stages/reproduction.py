@@ -1,33 +1,26 @@
 """The published experiment from surfaces to tables, with ours beside the paper's."""
 
 import json
-import os
-import shutil
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from physgnn import stages
-from physgnn.dataset import Store
+from physgnn.choices import Clock
 from physgnn.errors import InputError
-from physgnn.geometry import Surface, mni152_phantom
-from physgnn.io import read_mesh, read_surface, write_mesh
 from physgnn.io.atomic import write_whole
-from physgnn.progress import Progress
+from physgnn.learning.run_folder import RunFolder
+from physgnn.progress import Log, Show, no_log, no_show
+from physgnn.stages.meshing import named_surfaces
+from physgnn.stages.pipeline import Pipeline
 
 if TYPE_CHECKING:
     from physgnn.evaluation.result import Report
     from physgnn.learning.training_config import TrainingConfig
 
-Show = Callable[[str], AbstractContextManager[Progress]]
-Log = Callable[[str], None]
-
 BEST = {1: (9, 4), 2: (3, 8)}  # dataset: best configuration, published batch size
 MEMORY_MB = 6144.0  # enough for a whole batch at once, which is fastest
 SPLITS = ("published", "path")
-LAST = "last.ckpt"  # written every few minutes
 BUNDLED = "demo"  # the published loads fit the published surfaces only
 # Salehi & Giannacopoulos 2022, section 5.
 TIMES = (
@@ -62,10 +55,10 @@ class Reproduction:
 
     dataset: int
     budget_hours: float
-    brain: Path | None = None
-    tumour: Sequence[Path] = ()
+    brain: str | Path | None = None
+    tumour: Sequence[str | Path] = ()
     preset: str | None = None
-    clock: str = "wall"
+    clock: str = Clock.WALL
 
     def __post_init__(self) -> None:
         if self.dataset not in BEST:
@@ -104,45 +97,70 @@ class Reproduction:
         )
 
 
-def reproduce(what: Reproduction, folder: str | Path, *, show: Show, log: Log) -> str:
-    """Run what is not done yet and return the tables.
+def reproduce(
+    out: str | Path,
+    *,
+    dataset: int = 2,
+    budget_hours: float = 2.5,
+    brain: str | Path | None = None,
+    tumour: Sequence[str | Path] = (),
+    clock: str = Clock.WALL,
+    show: Show = no_show,
+    log: Log = no_log,
+) -> str:
+    """Repeat the published protocol beside the paper's tables; a second call resumes.
 
     A second call with a larger budget trains on.
 
     Parameters
     ----------
-    what : Reproduction
-        Dataset and budget.
-    folder : path
-        Gets case.vtu, loads.zarr, run-published/, run-path/.
-    show : callable
-        From a title to a context that yields a progress callback.
-    log : callable
-        Told what is there already.
+    out : path
+        Gets case.vtu, loads.zarr, run-published/, run-path/ and reproduction.md.
+    dataset, budget_hours, brain, tumour, clock
+        See `Reproduction`.
+    show, log : callables
+        See `physgnn.stages.pipeline.Pipeline`.
+
+    Returns
+    -------
+    str
+        The tables, Markdown.
+
+    Raises
+    ------
+    InputError
+        If there is no such dataset or clock, no budget, or a surface cannot be used.
     """
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    store = _simulate(what, folder, show, log)
-    reports = {}
+    if brain is None:
+        log(
+            "the bundled brain and its own loads: the published figures are of other "
+            "surfaces (give --brain and --tumour)"
+        )
+    what = Reproduction(dataset, budget_hours, brain, tuple(tumour), clock=clock)
+    return follow(what, Pipeline(Path(out), "physgnn reproduce", show, log))
+
+
+def follow(what: Reproduction, pipeline: Pipeline) -> str:
+    """Do what is not done yet and return the tables."""
+    pipeline.mesh(lambda: named_surfaces(what.brain, what.tumour))
+    pipeline.simulate(what.loads)
+    texts = []
     for split in SPLITS:
-        run = folder / f"run-{split}"
-        _train(what, store, split, run, show, log)
-        reports[split] = _evaluate(store, split, run, show, log)
-    text = "\n\n".join(
-        summary(report, folder / f"run-{split}", what.loads)
-        for split, report in reports.items()
-    )
-    write_whole(folder / "reproduction.md", text + "\n")
+        run = pipeline.train(f"run-{split}", split, what.training)
+        report = pipeline.evaluate([run], split)
+        texts.append(summary(report, run, what.loads))
+    text = "\n\n".join(texts)
+    write_whole(pipeline.folder / "reproduction.md", text + "\n")
     return text
 
 
-def summary(report: "Report", run: Path, preset: str) -> str:
+def summary(report: "Report", run: RunFolder, preset: str) -> str:
     """Return our figures beside the published ones, and what they cost, as Markdown."""
     from physgnn.evaluation.formats import duration
     from physgnn.evaluation.published import extremes_table, protocol_table
 
     model, facts = report.models[-1], report.facts
-    spent = json.loads((run / "run.json").read_text())["training"]
+    spent = json.loads(run.record.read_text("utf-8"))["training"]
     return "\n\n".join(
         (
             f"## Split '{report.split}', {spent['minutes']:.1f} minutes of training "
@@ -153,70 +171,3 @@ def summary(report: "Report", run: Path, preset: str) -> str:
             f"elements {duration(facts['solver_seconds'])} ({TIMES}).",
         )
     )
-
-
-def _simulate(what: Reproduction, folder: Path, show: Show, log: Log) -> Store:
-    case = folder / "case.vtu"
-    if not case.exists():
-        with show("meshing"):
-            brain, *tumours = _surfaces(what)
-            write_mesh(case, stages.mesh_surfaces(brain, tumours, log=log))
-    with show("simulating") as progress:
-        store, _ = stages.simulate(
-            read_mesh(case),
-            what.loads,
-            folder / "loads.zarr",
-            workers=os.cpu_count() or 1,
-            source={"mesh": str(case), "command": "physgnn reproduce"},
-            progress=progress,
-        )
-    return store
-
-
-def _surfaces(what: Reproduction) -> list[Surface]:
-    if what.brain is None:
-        phantom = mni152_phantom()
-        return [phantom.brain, *phantom.tumours]
-    return [read_surface(path) for path in (what.brain, *what.tumour)]
-
-
-def _train(
-    what: Reproduction, store: Store, split: str, run: Path, show: Show, log: Log
-) -> None:
-    config = what.training
-    if _metrics(run, split).exists() and _budget(run) >= (config.max_minutes or 0.0):
-        log(f"{run}: there already")
-        return
-    _metrics(run, split).unlink(missing_ok=True)  # it will be of other weights
-    resume = can_resume(run)
-    with show(f"training, split '{split}'") as progress:
-        stages.train(store.path, split, config, run, progress=progress, resume=resume)
-
-
-def can_resume(run: Path) -> bool:
-    """Return whether a run left a state; if not, clear away what it did leave."""
-    if (run / LAST).exists():
-        return True
-    shutil.rmtree(run, ignore_errors=True)
-    return False
-
-
-def _evaluate(store: Store, split: str, run: Path, show: Show, log: Log) -> "Report":
-    from physgnn.evaluation.result import Report
-    from physgnn.evaluation.run import evaluate_run
-
-    if _metrics(run, split).exists():
-        log(f"{_metrics(run, split)}: there already")
-        return Report.read(_metrics(run, split))
-    command = "physgnn reproduce"
-    with show("evaluating") as progress:
-        return evaluate_run(run, store.path, split, command=command, progress=progress)
-
-
-def _metrics(run: Path, split: str) -> Path:
-    return run / f"evaluation-{split}" / "metrics.json"
-
-
-def _budget(run: Path) -> float:
-    """Return the minutes that a run was allowed."""
-    return float(json.loads((run / "run.json").read_text())["config"]["max_minutes"])

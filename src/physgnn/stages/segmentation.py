@@ -1,6 +1,5 @@
 """From a label map to a mesh."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +12,8 @@ from physgnn.geometry.segmentation import extract_surfaces
 from physgnn.geometry.segmentation_regions import with_ventricles
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.nifti import read_image, read_segmentation
+from physgnn.progress import Log, no_log
 from physgnn.stages.meshing import mesh_surfaces
-
-Log = Callable[[str], None]
 
 
 def mesh_segmentation(
@@ -24,7 +22,7 @@ def mesh_segmentation(
     *,
     brain_mask: str | Path | None = None,
     target_points: int = 10_000,
-    log: Log = lambda _: None,
+    log: Log = no_log,
     **options: Any,
 ) -> TetMesh:
     """Mesh a label map in the world coordinates of its image.
@@ -42,10 +40,10 @@ def mesh_segmentation(
     target_points : int
         About how many points the mesh shall have.
     log : callable
-        Told what was mended, and how volumes and surfaces compare.
+        Told what was repaired, and how volumes and surfaces compare.
     **options
         ``smoothing_mm`` and ``closing_mm`` of `extract_surfaces`; ``rules`` and
-        ``quality_floor`` of `physgnn.stages.mesh_surfaces`.
+        ``quality_floor`` of `physgnn.stages.meshing.mesh_surfaces`.
 
     Returns
     -------

@@ -1,28 +1,87 @@
 """From a mesh to a dataset of load paths."""
 
-import sys
+import os
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from physgnn.dataset import (
-    SOLVERS,
-    Generation,
-    Preset,
-    Store,
-    generate,
-    verify,
-)
+from physgnn import choices
+from physgnn.dataset import SOLVERS, Generation, Preset, Store, generate, verify
 from physgnn.dataset.generate import DEFAULT_SOLVER, check_febio
 from physgnn.dataset.presets import find_preset
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
+from physgnn.io import read_mesh
 from physgnn.io.febio_run import find_febio
 from physgnn.progress import Progress
+from physgnn.stages.chosen_loads import chosen_preset
+from physgnn.stages.provenance import command_line
 
 
 def simulate(
+    case: str | Path,
+    out: str | Path,
+    *,
+    preset: str | None = None,
+    loads: str | Path | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    solver: str = DEFAULT_SOLVER,
+    progress: Progress | None = None,
+) -> tuple[Store, Generation]:
+    """Solve load paths by finite elements; a second call resumes.
+
+    Parameters
+    ----------
+    case : path
+        Mesh, VTU.
+    out : path
+        Where the dataset is or is to be.
+    preset : str, optional
+        A row of ``PRESETS``; or else `loads`.
+    loads : path, optional
+        TOML with point sets, materials and loads: see `physgnn.config.simulation`.
+    workers : int, optional
+        Processes on this machine; by default as many as it has processors. A script
+        that asks for more than one calls this under ``if __name__ == "__main__"``.
+    scheduler : str, optional
+        Address of a Dask scheduler, instead of workers.
+    solver : str
+        A row of ``SOLVERS``.
+    progress : callable, optional
+        Told the paths done, the paths in all, and how the last one ended.
+
+    Returns
+    -------
+    Store, Generation
+        The dataset, and what was done now.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, or preset, mesh, solver and dataset do not fit each
+        other.
+    """
+    chosen = chosen_preset(preset, loads)
+    return simulate_mesh(
+        read_mesh(case),
+        chosen,
+        out,
+        solver=solver,
+        workers=processes(workers),
+        scheduler=scheduler,
+        source={"mesh": str(case), "command": command_line()},
+        progress=progress,
+    )
+
+
+def processes(workers: int | None = None) -> int:
+    """Return how many processes to start: as asked, or one for each processor."""
+    return workers if workers is not None else os.cpu_count() or 1
+
+
+def simulate_mesh(
     mesh: TetMesh,
     preset: str | Preset,
     store: str | Path,
@@ -59,13 +118,13 @@ def simulate(
     """
     if solver not in SOLVERS:
         raise InputError(f"no solver '{solver}' (there are: {', '.join(SOLVERS)})")
-    if solver == "febio" and scheduler is None:
+    if solver == choices.Solver.FEBIO and scheduler is None:
         find_febio()
     name = preset if isinstance(preset, str) else "custom"
     if isinstance(preset, str):
         preset = find_preset(preset)
     mesh, paths = preset.on(mesh)
-    if solver == "febio":
+    if solver == choices.Solver.FEBIO:
         check_febio(preset.element, paths)
     opened = Store.resume(
         store,
@@ -91,8 +150,3 @@ def simulate(
     did = generate(opened, progress=progress, **where)
     verify(opened, progress=progress, **where)
     return opened, did
-
-
-def command_line() -> str:
-    """Return what the user typed, for the record."""
-    return " ".join(["physgnn", *sys.argv[1:]])

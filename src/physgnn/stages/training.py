@@ -1,11 +1,11 @@
 """From a dataset to a trained run with calibrated bounds."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from physgnn.config import read_training
 from physgnn.dataset import Split, Store, named_split
 from physgnn.dataset.split_meshes import split_meshes
 from physgnn.errors import InputError
@@ -17,6 +17,95 @@ if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need
 
 
 def train(
+    store: str | Path | Sequence[str | Path],
+    out: str | Path,
+    *,
+    config: str | Path | None = None,
+    model: str | None = None,
+    configuration: int | None = None,
+    split: str | None = None,
+    start: str | Path | None = None,
+    loss: str | None = None,
+    batch_size: int | None = None,
+    learning_rate: float | None = None,
+    max_epochs: int | None = None,
+    max_minutes: float | None = None,
+    memory_mb: float | None = None,
+    precision: str | None = None,
+    seed: int | None = None,
+    device: str = "cpu",
+    devices: int = 1,
+    num_nodes: int = 1,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> "Checkpoint":
+    """Train a network on a dataset, or on several, and calibrate its error bounds.
+
+    Parameters
+    ----------
+    store : path or sequence of paths
+        Dataset made by `simulate`, or one dataset a patient.
+    out : path
+        Folder to train into.
+    config : path, optional
+        TOML with training settings, see `physgnn.config.training`; those given here
+        win over the file's.
+    model, loss, batch_size, learning_rate, max_epochs, max_minutes, memory_mb, \
+precision, seed
+        Fields of `physgnn.learning.training_config.TrainingConfig`.
+    configuration : int, optional
+        1 to 12, of the published network.
+    split : str, optional
+        A row of ``SPLITS``, by default ``path``; of several datasets ``mesh``.
+    start : path, optional
+        A run to begin with the weights of; model and options are then its own, unless
+        the configuration gives options.
+    device, devices, num_nodes
+        Where to train: see `physgnn.learning.trainer.Machine`.
+    resume : bool
+        Continue an interrupted run.
+    progress : callable, optional
+        Told the part of the budget spent, in thousandths.
+
+    Returns
+    -------
+    Checkpoint
+        The best model.
+
+    Raises
+    ------
+    InputError
+        If a file or setting cannot be used, or the folder holds a run already.
+    """
+    from physgnn.learning.trainer import Machine
+
+    options = {} if configuration is None else {"configuration": configuration}
+    settings = read_training(
+        config,
+        model=model,
+        loss=loss,
+        batch_size=batch_size,
+        learning_rate=learning_rate,
+        max_epochs=max_epochs,
+        max_minutes=max_minutes,
+        memory_mb=memory_mb,
+        precision=precision,
+        seed=seed,
+        options=options,
+    )
+    return train_run(
+        store,
+        split,
+        settings,
+        out,
+        start=start,
+        progress=progress,
+        machine=Machine(device, devices, num_nodes),
+        resume=resume,
+    )
+
+
+def train_run(
     stores: str | Path | Sequence[str | Path],
     split: str | None,
     config: "TrainingConfig",
@@ -41,7 +130,7 @@ def train(
         A run to begin with the weights of; model and options are then its own, unless
         the configuration gives options.
     progress, **options
-        See `physgnn.learning.train`.
+        See `physgnn.learning.training.train`.
     """
     from physgnn.learning.checkpoint import Checkpoint
     from physgnn.learning.training import is_first_process
@@ -77,15 +166,3 @@ def _as_begun(config: "TrainingConfig", begun: "Checkpoint") -> "TrainingConfig"
     earlier = begun.record["config"]
     options = {**earlier["options"], **config.options}
     return replace(config, model=earlier["model"], options=options)
-
-
-def store_of(run: str | Path) -> Path:
-    """Return the dataset a run was trained on, as its record names it."""
-    try:
-        record = json.loads((Path(run) / "run.json").read_text("utf-8"))
-        return Path(record["data"]["path"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(
-            f"{run} is no run folder: it has no readable run.json; train one, or name "
-            "the dataset with --store"
-        ) from error

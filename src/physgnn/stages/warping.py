@@ -1,9 +1,8 @@
 """From an image and a displacement to the deformed image."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
@@ -14,28 +13,30 @@ from physgnn.imaging import (
     inverse_field,
     jacobian_image,
     round_trip_mm,
-    warp,
 )
+from physgnn.imaging import warp as warped
 from physgnn.imaging.slices import middle_of_shift
 from physgnn.io.atomic import whole_file
 from physgnn.io.displacement_files import write_field
 from physgnn.io.nifti import read_image, read_segmentation, write_image
 from physgnn.io.prediction_file import read_displacement
+from physgnn.progress import Log, no_log
 
-Log = Callable[[str], None]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
-def warp_image(
+def warp(
     image: str | Path,
     prediction: str | Path,
     out: str | Path,
     *,
     labels: bool = False,
     interpolation: str | None = None,
-    fields: Sequence[str | Path] = (),
+    field: Sequence[str | Path] = (),
     jacobian: str | Path | None = None,
     slices: str | Path | None = None,
-    log: Log = lambda _: None,
+    log: Log = no_log,
 ) -> Image:
     """Deform an image as a prediction says, and write what goes with it.
 
@@ -51,7 +52,7 @@ def warp_image(
         The image is a label map.
     interpolation : str, optional
         See `physgnn.imaging.warp`.
-    fields : sequence of path
+    field : sequence of path
         Where the resampling transform goes: ``.h5`` and ``.nii.gz`` for ITK.
     jacobian : path, optional
         Where the map of det F goes, on the voxels of the rest state.
@@ -68,7 +69,7 @@ def warp_image(
     mesh, u = read_displacement(prediction)
     before = read_segmentation(image) if labels else read_image(image)
     inverse = inverse_field(mesh, u, before.grid)
-    after = warp(before, inverse, interpolation=interpolation)
+    after = warped(before, inverse, interpolation=interpolation)
     write_image(out, after)
     error = round_trip_mm(forward_field(mesh, u, before.grid), inverse)
     if len(error):
@@ -77,7 +78,7 @@ def warp_image(
             f"{error.max():.3f} mm at most"
         )
     log(str(folding(mesh, u, inverse)))
-    for path in fields:
+    for path in field:
         write_field(path, inverse)
     if jacobian is not None:
         write_image(jacobian, jacobian_image(mesh, u, before.grid))
@@ -86,7 +87,7 @@ def warp_image(
     return after
 
 
-def _save_figure(path: str | Path, figure: Figure) -> None:
+def _save_figure(path: str | Path, figure: "Figure") -> None:
     if Path(path).suffix != ".png":
         raise InputError(f"{path}: slices are written as .png")
     with whole_file(Path(path)) as part:

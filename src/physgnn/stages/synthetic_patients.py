@@ -10,22 +10,26 @@ from physgnn.progress import Progress
 MOST_SPARE = 10  # draws that may fail to mesh, before something else must be wrong
 
 
-def make_anatomies(
-    folder: str | Path, count: int, *, seed: int = 0, progress: Progress | None = None
+def anatomies(
+    out: str | Path,
+    *,
+    count: int = 12,
+    seed: int = 0,
+    progress: Progress | None = None,
 ) -> list[Path]:
-    """Write the meshes of synthetic patients, ``anatomy-<seed>.vtu``.
+    """Draw synthetic patients as meshes, ``anatomy-<seed>.vtu``.
 
     Those already there are kept; a patient that cannot be meshed (its tumour may reach
     the cortex) is passed over for the next.
 
     Parameters
     ----------
-    folder : path
-        Where to.
+    out : path
+        Folder for the meshes.
     count : int
         How many.
     seed : int
-        Of the first; the others have the next ones.
+        Of the first patient; the others have the next ones.
     progress : callable, optional
         Called with (done, total, text) after every mesh.
 
@@ -41,7 +45,7 @@ def make_anatomies(
     """
     if count < 1:
         raise InputError(f"count must be ≥ 1 (got {count})")
-    folder = Path(folder)
+    folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     made: list[Path] = []
     last: InputError | None = None

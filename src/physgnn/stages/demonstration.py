@@ -1,12 +1,16 @@
 """The whole job on the bundled case: brain, mesh, simulations, network, report."""
 
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from physgnn import stages
 from physgnn.dataset import Store
 from physgnn.io import write_load_case
-from physgnn.stages.pipeline import Log, Pipeline, Recipe, Show
+from physgnn.io.atomic import whole_file
+from physgnn.progress import Log, Show, no_log, no_show
+from physgnn.stages.pipeline import Pipeline
+from physgnn.stages.prediction import predict
+from physgnn.stages.recipe import RUN, SPLIT, Recipe
 
 if TYPE_CHECKING:
     from physgnn.evaluation.result import Report
@@ -21,20 +25,38 @@ DEMO = Recipe(
 PREDICTION = "prediction.vtu"
 
 
-def run_demo(folder: str | Path, *, show: Show, log: Log) -> str:
-    """Run what is not done yet and return what came out, in a few lines.
+def demo(
+    folder: str | Path = "demo", *, show: Show = no_show, log: Log = no_log
+) -> str:
+    """Go from the bundled brain to a report; a second call does what is missing.
 
     Parameters
     ----------
     folder : path
         Gets case.vtu, loads.zarr, run/, load.json, prediction.vtu and report.html.
     show, log : callables
-        See `Pipeline`.
+        See `physgnn.stages.pipeline.Pipeline`.
+
+    Returns
+    -------
+    str
+        What came out, in a few lines.
     """
-    pipeline = Pipeline(Path(folder), DEMO, show, log)
-    report = pipeline.run()
+    pipeline = Pipeline(Path(folder), DEMO.command, show, log)
+    report = DEMO.follow(pipeline)
+    page = _page(pipeline)
     _predict(pipeline, report)
-    return _summary(pipeline, report)
+    return _summary(pipeline, report, page)
+
+
+def _page(pipeline: Pipeline) -> Path:
+    """Bring the report to the top of the folder."""
+    made = pipeline.run(RUN).evaluation(SPLIT).report
+    page = pipeline.folder / made.name
+    if not page.exists() or page.stat().st_mtime < made.stat().st_mtime:
+        with whole_file(page) as part:
+            shutil.copyfile(made, part)
+    return page
 
 
 def _predict(pipeline: Pipeline, report: "Report") -> None:
@@ -48,14 +70,14 @@ def _predict(pipeline: Pipeline, report: "Report") -> None:
         load, Store.open(pipeline.store).load_case(sample.path, sample.level)
     )
     with pipeline.show("predicting"):
-        stages.predict(pipeline.trained, load, out, linear=True)
+        predict(pipeline.run(RUN).path, load, out, linear=True)
 
 
-def _summary(pipeline: Pipeline, report: "Report") -> str:
+def _summary(pipeline: Pipeline, report: "Report", page: Path) -> str:
     model, linear = report.models[-1], report.model("linear")
     milliseconds = 1e3 * model.summary.median_seconds
     return (
-        f"report:      {pipeline.report}\n"
+        f"report:      {page}\n"
         f"prediction:  {pipeline.folder / PREDICTION}\n"
         f"mean error on load paths never trained on: {model.euclidean.mean:.3f} mm\n"
         f"the linear solution's, beside it:          {linear.euclidean.mean:.3f} mm\n"

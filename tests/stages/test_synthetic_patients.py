@@ -9,8 +9,8 @@ from physgnn.errors import InputError
 from physgnn.geometry.anatomies import Anatomy
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh
-from physgnn.stages import anatomies
-from physgnn.stages.anatomies import make_anatomies
+from physgnn.stages import synthetic_patients
+from physgnn.stages.synthetic_patients import anatomies
 
 
 def odd_fail(anatomy: Anatomy) -> TetMesh:
@@ -22,12 +22,12 @@ def odd_fail(anatomy: Anatomy) -> TetMesh:
 def test_patients_that_cannot_be_meshed_are_passed_over(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(anatomies, "build_anatomy", odd_fail)
-    made = make_anatomies(tmp_path / "family", 3, seed=4)
+    monkeypatch.setattr(synthetic_patients, "build_anatomy", odd_fail)
+    made = anatomies(tmp_path / "family", count=3, seed=4)
     assert [path.stem for path in made] == ["anatomy-004", "anatomy-006", "anatomy-008"]
     assert read_mesh(made[0]).points.max() == 5.0
     before = made[0].stat().st_mtime_ns
-    assert make_anatomies(tmp_path / "family", 3, seed=4) == made
+    assert anatomies(tmp_path / "family", count=3, seed=4) == made
     assert made[0].stat().st_mtime_ns == before
 
 
@@ -37,8 +37,8 @@ def test_too_many_failures_and_no_count_are_refused(
     def fail(_: Anatomy) -> TetMesh:
         raise InputError("the tumour reaches the cortex")
 
-    monkeypatch.setattr(anatomies, "build_anatomy", fail)
+    monkeypatch.setattr(synthetic_patients, "build_anatomy", fail)
     with pytest.raises(InputError, match=r"only 0 of 2 .* reaches the cortex"):
-        make_anatomies(tmp_path, 2)
+        anatomies(tmp_path, count=2)
     with pytest.raises(InputError, match="count must be"):
-        make_anatomies(tmp_path, 0)
+        anatomies(tmp_path, count=0)

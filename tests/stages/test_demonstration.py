@@ -1,7 +1,5 @@
 """The demonstration, small: it comes to a report, and a second run changes nothing."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -9,13 +7,7 @@ from pathlib import Path
 import pytest
 
 from physgnn.dataset import PRESETS
-from physgnn.progress import Progress
-from physgnn.stages import bundling, demo
-
-
-@contextmanager
-def silent(_: str) -> Iterator[Progress]:
-    yield lambda *_: None
+from physgnn.stages import bundling, demonstration
 
 
 def times(folder: Path) -> dict[Path, int]:
@@ -38,7 +30,7 @@ def test_the_bundled_models_card_compares_it_with_peers(
     small = replace(bundling.BUNDLED, target_points=2800, training_minutes=0.05)
     monkeypatch.setattr(bundling, "BUNDLED", replace(small, baselines="pod_network"))
     out = tmp_path / "bundled"
-    bundling.bundle(tmp_path / "work", out, show=silent, log=print)
+    bundling.bundle(tmp_path / "work", out, log=print)
     card = (out / "model_card.md").read_text("utf-8")
     for row in ("POD + small network", "PhysGNN", "Lifted network", "Certified"):
         assert f"| {row}" in card
@@ -48,11 +40,11 @@ def test_the_bundled_models_card_compares_it_with_peers(
 @pytest.mark.slow
 @pytest.mark.usefixtures("few_loads")
 def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    small = replace(demo.DEMO, target_points=2800, training_minutes=0.05)
-    monkeypatch.setattr(demo, "DEMO", small)
+    small = replace(demonstration.DEMO, target_points=2800, training_minutes=0.05)
+    monkeypatch.setattr(demonstration, "DEMO", small)
 
     said: list[str] = []
-    summary = demo.run_demo(tmp_path / "demo", show=silent, log=said.append)
+    summary = demonstration.demo(tmp_path / "demo", log=said.append)
     assert "report.html" in summary
     assert "mean error on load paths never trained on" in summary
     assert not any("there already" in line for line in said)
@@ -70,7 +62,7 @@ def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "https://" not in page
 
     before = times(tmp_path)
-    again = demo.run_demo(tmp_path / "demo", show=silent, log=said.append)
+    again = demonstration.demo(tmp_path / "demo", log=said.append)
     assert again == summary
     assert times(tmp_path) == before
     assert sum("there already" in line for line in said) == 5

@@ -1,0 +1,101 @@
+"""What a user chooses from where the list is closed, by name and without its code.
+
+The tables of functions behind these names have the members for keys. They stand here,
+below everything, because the command line shows them in its help: importing the tables
+would import torch and compiled kernels first.
+"""
+
+from enum import StrEnum
+
+
+class Preset(StrEnum):
+    """Where a body is held and loaded: rows of `physgnn.dataset.PRESETS`."""
+
+    PAPER_1 = "paper-1"
+    PAPER_2 = "paper-2"
+    DEMO = "demo"
+    FAMILY = "family"
+
+
+class Solver(StrEnum):
+    """What solves load paths: rows of `physgnn.dataset.SOLVERS`."""
+
+    PHYSGNN = "physgnn"
+    FEBIO = "febio"
+
+
+class Element(StrEnum):
+    """Finite elements: rows of `physgnn.mechanics.element.ELEMENTS`."""
+
+    TET4 = "tet4"
+    TET4_AVERAGED = "tet4-averaged"
+
+
+class Split(StrEnum):
+    """Which samples are held out: rows of `physgnn.dataset.SPLITS`, and ``mesh``."""
+
+    PUBLISHED = "published"
+    PATH = "path"
+    NODE = "node"
+    MESH = "mesh"
+
+
+class Loss(StrEnum):
+    """What training makes small: rows of `physgnn.learning.losses.LOSSES`."""
+
+    MEAN_EUCLIDEAN = "mean_euclidean"
+    MEAN_SQUARE = "mean_square"
+    MEAN_ABSOLUTE = "mean_absolute"
+    ROOT_MEAN_SQUARE_SAMPLE = "root_mean_square_sample"
+    RELATIVE_SAMPLE = "relative_sample"
+
+
+class Schedule(StrEnum):
+    """How the learning rate falls: rows of `physgnn.learning.schedules.SCHEDULES`."""
+
+    PLATEAU = "plateau"
+    COSINE = "cosine"
+
+
+class Clock(StrEnum):
+    """What counts minutes: rows of `physgnn.learning.budget.CLOCKS`."""
+
+    WALL = "wall"
+    PROCESSOR = "processor"
+
+
+class Precision(StrEnum):
+    """Of PhysGNN's products: rows of `physgnn.learning.precision.PRECISIONS`."""
+
+    FLOAT32 = "float32"
+    BFLOAT16 = "bfloat16"
+
+
+class Device(StrEnum):
+    """Where a network is trained, as Lightning names it."""
+
+    CPU = "cpu"
+    CUDA = "cuda"
+    AUTO = "auto"
+
+
+class Estimate(StrEnum):
+    """How the error of a prediction is estimated by `physgnn.prediction.Predictor`."""
+
+    PHYSICAL = "physical"
+    QUICK = "quick"
+
+
+class Skull(StrEnum):
+    """How the skull holds a brain: rows of `physgnn.prediction.skull.SUPPORTS`."""
+
+    FIXED = "fixed"
+    SLIDING = "sliding"
+
+
+class Interpolation(StrEnum):
+    """Between voxels: rows of `physgnn.imaging.warp.INTERPOLATIONS`."""
+
+    LINEAR = "linear"
+    NEAREST = "nearest"
+    CUBIC = "cubic"

@@ -1,0 +1,70 @@
+"""Options and arguments that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from physgnn import choices
+
+OutFile = Annotated[
+    Path, typer.Option("--out", "-o", help="The file to write the result to.")
+]
+OutFolder = Annotated[
+    Path, typer.Option("--out", "-o", help="The folder to write the results to.")
+]
+Run = Annotated[Path, typer.Argument(help="The folder of a trained model.")]
+Preset = Annotated[
+    choices.Preset | None,
+    typer.Option(
+        help="Take fixed points, materials and loads from this published or bundled "
+        "set-up."
+    ),
+]
+Loads = Annotated[
+    Path | None,
+    typer.Option(
+        help="Take point sets, materials and loads from this TOML file, such as "
+        "examples/craniotomy.toml."
+    ),
+]
+Materials = Annotated[
+    Path | None,
+    typer.Option(
+        help="Take the materials from the [materials.<region>] tables of this TOML "
+        "file; otherwise the published ones are used."
+    ),
+]
+Precision = Annotated[
+    choices.Precision,
+    typer.Option(
+        help="Compute the largest products in this precision. Only PhysGNN has "
+        "bfloat16: it is quicker and rougher."
+    ),
+]
+Displacement = Annotated[
+    Path,
+    typer.Option(
+        "--out",
+        "-o",
+        help="The file to write: .vtu (the mesh at rest with the displacement), .vtp "
+        "(deformed surfaces), .h5 (a transform for ITK and 3D Slicer) or .nii.gz (a "
+        "displacement field).",
+    ),
+]
+Form = Annotated[
+    str | None,
+    typer.Option(
+        "--as",
+        help="What to write where the suffix leaves a choice: rest or deformed for "
+        ".vtu; field, itk-field or labels for .nii.gz. The others, deformed for .vtp "
+        "and transform for .h5, need not be named.",
+    ),
+]
+Grid = Annotated[
+    Path | None,
+    typer.Option(
+        "--image",
+        help="Write a field or a label map on the voxels of this NIfTI image.",
+    ),
+]

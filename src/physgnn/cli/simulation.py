@@ -1,0 +1,151 @@
+"""The commands from surfaces to solved load paths."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from physgnn import choices, stages
+from physgnn.cli.console import progress, say, working
+from physgnn.cli.options import Loads, OutFile, Preset
+
+SHOWN_REMARKS, SHOWN_ERRORS = 20, 3
+
+
+def mesh(
+    out: OutFile,
+    segmentation: Annotated[
+        Path | None,
+        typer.Argument(help="A label map, NIfTI, to mesh instead of surfaces."),
+    ] = None,
+    labels: Annotated[
+        str,
+        typer.Option(
+            help="Which label is which tissue: the name of a convention (mask, brats, "
+            "freesurfer) or a list such as brain=1,tumour=4."
+        ),
+    ] = "mask",
+    brain_mask: Annotated[
+        Path | None,
+        typer.Option(
+            help="A NIfTI image that is not 0 inside the brain, for label maps that "
+            "mark the tumour alone."
+        ),
+    ] = None,
+    smoothing_mm: Annotated[
+        float | None,
+        typer.Option(
+            help="Smooth the surface of a label map over this length; by default over "
+            "the size of a voxel."
+        ),
+    ] = None,
+    closing_mm: Annotated[
+        float | None,
+        typer.Option(help="Fill the sulci of a label map by a closing of this radius."),
+    ] = None,
+    brain: Annotated[
+        Path | None,
+        typer.Option(help="The surface of the brain: STL, PLY, OBJ or VTP, in mm."),
+    ] = None,
+    tumour: Annotated[
+        list[Path] | None,
+        typer.Option(help="A surface inside the brain; give it again for another."),
+    ] = None,
+    mni152: Annotated[
+        bool, typer.Option("--mni152", help="Mesh the bundled brain and tumour.")
+    ] = False,
+    sets: Annotated[
+        Path | None,
+        typer.Option(
+            help="Name the point sets of the [point_sets.<name>] tables of this TOML "
+            "file."
+        ),
+    ] = None,
+    max_volume_mm3: Annotated[
+        float | None,
+        typer.Option(
+            help="Let no cell be larger than this; by default the published rule "
+            "decides."
+        ),
+    ] = None,
+    target_points: Annotated[
+        int | None,
+        typer.Option(help="Aim at about this many points, instead of a cell size."),
+    ] = None,
+    quality_floor: Annotated[
+        float | None,
+        typer.Option(help="Refuse a mesh with a cell whose mean ratio is below this."),
+    ] = None,
+) -> None:
+    """Fill surfaces, or a label map, with tetrahedra and name point sets."""
+    with working("meshing"):
+        made = stages.mesh(
+            out,
+            segmentation=segmentation,
+            labels=labels,
+            brain_mask=brain_mask,
+            smoothing_mm=smoothing_mm,
+            closing_mm=closing_mm,
+            brain=brain,
+            tumour=tumour or (),
+            mni152=mni152,
+            sets=sets,
+            max_volume_mm3=max_volume_mm3,
+            target_points=target_points,
+            quality_floor=quality_floor,
+            log=say,
+        )
+    print(f"{out}: {made.n_points} points, {made.n_cells} cells")
+
+
+def simulate(
+    case: Annotated[Path, typer.Argument(help="The mesh, VTU.")],
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="The dataset to make, or to complete.")
+    ],
+    preset: Preset = None,
+    loads: Loads = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            help="Solve in this many processes on this machine; by default in one for "
+            "each processor.",
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            help="Solve on the workers of the Dask scheduler at this address "
+            "(tcp://…), instead of on this machine."
+        ),
+    ] = None,
+    solver: Annotated[
+        choices.Solver, typer.Option(help="Solve by this program.")
+    ] = choices.Solver.PHYSGNN,
+) -> None:
+    """Solve load paths by finite elements; call it again to resume."""
+    with progress("simulating") as move:
+        store, did = stages.simulate(
+            case,
+            out,
+            preset=preset,
+            loads=loads,
+            workers=workers,
+            scheduler=scheduler,
+            solver=solver,
+            progress=move,
+        )
+    from physgnn.dataset import verification_of
+
+    print(
+        f"{out}: {did.solved} load paths solved now, {len(store.pending())} pending; "
+        f"{len(store.samples())} of {store.n_paths * store.n_levels} levels converged"
+    )
+    print(verification_of(store))
+    for path, remark in [*store.messages().items()][:SHOWN_REMARKS]:
+        print(f"load path {path} {remark}")
+    for path, error in [*did.errors.items()][:SHOWN_ERRORS]:
+        say(f"load path {path}: {error}")
+    if did.errors:
+        raise typer.Exit(1)
