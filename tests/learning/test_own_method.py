@@ -12,6 +12,7 @@ import pytest
 
 from physgnn.dataset.store import Store
 from physgnn.evaluation.result import Report
+from physgnn.io.load_case import write_load_case
 from physgnn.prediction.predictor import Predictor
 
 TEMPLATE = Path(__file__).parents[2] / "docs" / "templates" / "method.py"
@@ -54,9 +55,12 @@ def test_it_is_trained_saved_loaded_and_evaluated(
         for run in ("run", "other")
     )
     assert ours.euclidean.mean == pytest.approx(beside.euclidean.mean)
+    case = store.load_case(0, 1)
+    write_load_case(tmp_path / "load.json", case)
+    physgnn(tmp_path, "predict", "run", "--load", "load.json", "-o", "displacement.vtu")
+    assert (tmp_path / "displacement.vtu").is_file()
     monkeypatch.syspath_prepend(tmp_path)
     predictor = Predictor.load(tmp_path / "run")
-    case = store.load_case(0, 1)
     prediction = predictor(case)
     assert prediction.error_estimate_mm is not None
     assert np.isfinite(prediction.displacement).all()

@@ -13,7 +13,6 @@ from physgnn.mechanics.loads import LoadCase
 
 SAME_DIRECTION = 1 - 1e-10  # cosine between two force fields of the same load path
 
-
 Known = Callable[[int], NDArray[np.float32]]  # from a sample's row, mm
 
 
@@ -81,7 +80,7 @@ class LevelInterpolation(Surrogate):
         """Return the path whose forces are parallel to the case's, and the factor."""
         force = case.on_points(self.body.mesh.n_points).ravel()
         size, full = np.linalg.norm(force), np.linalg.norm(self._forces, axis=1)
-        parallel = self._forces @ force >= SAME_DIRECTION * full * size
+        parallel = (full > 0) & (self._forces @ force >= SAME_DIRECTION * full * size)
         if not parallel.any():
             raise InputError(
                 "level interpolation needs training samples on the load's own path "
