@@ -204,13 +204,17 @@ def print_rows(what: str, seconds: list[float]) -> None:
         print(f"  {name:<38}{theirs:9.3f} s {ours:9.3f} s {theirs / ours:7.1f} times")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--datasets", type=int, nargs="+", default=list(CASES))
     parser.add_argument("--processor-time", action="store_true")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    add_arguments(parser)
     given = parser.parse_args()
     print(f"{'':40}{'published':>11} {'ours':>11} {'faster':>9}", flush=True)
     for dataset in given.datasets:

@@ -83,7 +83,8 @@ class Graph:
     @cached_property
     def plain(self) -> "Neighbours":
         """Neighbours with the weight 1."""
-        return Neighbours(replace(self), torch.ones_like(self.weight))
+        with torch.inference_mode(False):  # serves training too, whoever asked first
+            return Neighbours(replace(self), torch.ones_like(self.weight))
 
     def to(self, device: torch.device | str) -> "Graph":
         """Return the graph on a device."""
