@@ -33,8 +33,6 @@ from physgnn.learning.graph import Graph
 from physgnn.learning.losses import mean_euclidean
 from physgnn.learning.precision import set_precision
 from physgnn.learning.published import load_published
-from physgnn.learning.threads import only_side_by_side
-from physgnn.learning.workspace import reused_memory
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 with warnings.catch_warnings():
@@ -115,9 +113,8 @@ class Ours:
             return second_call(partial(self.forward, self.sample[None]), self.clock)
 
     def step_seconds(self) -> float:
-        """Time a training step as in training, a sample."""
-        with reused_memory(), only_side_by_side():
-            seconds = second_call(partial(self.step, self.batch), self.clock)
+        """Time a training step, a sample."""
+        seconds = second_call(partial(self.step, self.batch), self.clock)
         return seconds / len(self.batch)
 
 
@@ -204,13 +201,17 @@ def print_rows(what: str, seconds: list[float]) -> None:
         print(f"  {name:<38}{theirs:9.3f} s {ours:9.3f} s {theirs / ours:7.1f} times")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--datasets", type=int, nargs="+", default=list(CASES))
     parser.add_argument("--processor-time", action="store_true")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    add_arguments(parser)
     given = parser.parse_args()
     print(f"{'':40}{'published':>11} {'ours':>11} {'faster':>9}", flush=True)
     for dataset in given.datasets:

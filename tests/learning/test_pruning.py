@@ -11,8 +11,7 @@ from torch import Tensor
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.learning.physgnn import N_LAYERS, PhysGNN
-from physgnn.learning.pruning import KEPT_REACHES
-from physgnn.learning.reach import Reach
+from physgnn.learning.pruning import KEPT_REACHES, Reach
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,8 @@
-"""One layer of message passing on a shared graph, with its activation."""
+"""One layer of message passing on a shared graph."""
 
 from torch import Tensor, nn
 
 from physgnn.learning.aggregation import aggregate
-from physgnn.learning.dense import dense
 from physgnn.learning.graph import Graph
 
 
@@ -32,14 +31,11 @@ class Convolution(nn.Module):
         self.neighbours = nn.Linear(n_inputs, n_outputs)
         self.root = nn.Linear(n_inputs, n_outputs, bias=False)
 
-    def forward(self, x: Tensor, graph: Graph, activation: nn.PReLU) -> Tensor:
+    def forward(self, x: Tensor, graph: Graph) -> Tensor:
         """Return (batch, n_points, n_outputs) for x (batch, n_columns, n_inputs)."""
         message = aggregate(
             graph, x, weighted=self.weighted, aggregation=self.aggregation
         )
-        return dense(
-            (message, x[:, : graph.n_points]),
-            (self.neighbours.weight, self.root.weight),
-            self.neighbours.bias,
-            activation.weight,
-        )
+        own = x[:, : graph.n_points]
+        output: Tensor = self.neighbours(message) + self.root(own)
+        return output

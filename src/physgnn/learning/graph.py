@@ -1,6 +1,8 @@
 """A mesh as a graph: its edges once, shared by every sample and every layer."""
 
-from dataclasses import dataclass, replace
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from weakref import WeakKeyDictionary
 
@@ -12,8 +14,6 @@ from torch import Tensor
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
-
-Edges = tuple[NDArray[np.generic], ...]
 
 
 def as_float32(array: NDArray[np.float64]) -> Tensor:
@@ -78,14 +78,14 @@ class Graph:
         return torch.stack([self.column, self.row])
 
     @cached_property
-    def weighted(self) -> "Neighbours":
-        """Neighbours with the weight 1 / edge length."""
-        return Neighbours(replace(self), self.weight)
+    def weighted(self) -> Tensor:
+        """The (n_points, n_columns) sparse matrix of 1 / edge length."""
+        return self._matrix(torch.clone)
 
     @cached_property
-    def plain(self) -> "Neighbours":
-        """Neighbours with the weight 1."""
-        return Neighbours(replace(self), torch.ones_like(self.weight))
+    def plain(self) -> Tensor:
+        """The (n_points, n_columns) sparse matrix of ones."""
+        return self._matrix(torch.ones_like)
 
     def to(self, device: torch.device | str) -> "Graph":
         """Return the graph on a device."""
@@ -118,6 +118,14 @@ class Graph:
                 f"(got {tuple(x.shape)}); the graph may be of another mesh"
             )
 
+    def _matrix(self, values: Callable[[Tensor], Tensor]) -> Tensor:
+        shape = self.n_points, self.n_columns
+        # Serves training as well, wherever it was first asked for.
+        with torch.inference_mode(False), warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "Sparse (CSR|invariant)")
+            value = values(self.weight)
+            return torch.sparse_csr_tensor(self.row_start, self.column, value, shape)
+
 
 _graphs: WeakKeyDictionary[TetMesh, Graph] = WeakKeyDictionary()
 
@@ -138,37 +146,6 @@ def _edges(cells: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int6
         np.concatenate([wide[:, i] * n_points + wide[:, j] for i, j in pairs])
     )
     return keys // n_points, keys % n_points
-
-
-@dataclass(frozen=True, eq=False)
-class Neighbours:
-    """A graph's edges with values, as arrays for compiled kernels.
-
-    Edges are row starts, columns and values, as of a sparse matrix in compressed rows.
-    The graph is a copy of the one that has them: a ring of the two would wait for the
-    garbage collector, and every batch of training may make graphs of its own.
-    """
-
-    graph: Graph
-    value: Tensor
-
-    @cached_property
-    def edges(self) -> Edges:
-        """Those of the (n_points, n_columns) matrix."""
-        graph = self.graph
-        return _arrays(graph.row_start, graph.column, self.value)
-
-    @cached_property
-    def edges_back(self) -> Edges:
-        """Those of its transpose, for gradients."""
-        graph = self.graph
-        order = torch.argsort(graph.column, stable=True)
-        start = _row_start(graph.column, graph.n_columns)
-        return _arrays(start, graph.row[order], self.value[order])
-
-
-def _arrays(*tensors: Tensor) -> Edges:
-    return tuple(tensor.cpu().numpy() for tensor in tensors)
 
 
 def _row_start(row: Tensor, n_rows: int) -> Tensor:

@@ -7,12 +7,9 @@ from torch import Tensor, nn
 from physgnn.errors import InputError
 from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.convolution import Convolution
-from physgnn.learning.dense import dense
 from physgnn.learning.dropout import SampleDropout
 from physgnn.learning.graph import Graph
 from physgnn.learning.pruning import Pruning, Rest, filled
-from physgnn.learning.threads import only_side_by_side
-from physgnn.learning.workspace import keep_freed_memory
 
 N_INPUTS = 7
 LAYERS_A_BLOCK = 3
@@ -102,13 +99,11 @@ class PhysGNN(nn.Module):
             single: Tensor = self(x[None], graph)[0]
             return single
         graph.check_rows(x)
-        keep_freed_memory()
-        with only_side_by_side():
-            last = self.pruning.last_output(self, x, graph)
-            if last is None:
-                last = self.outputs(x, [graph] * N_LAYERS)[-1]
-            _, _, dropout, linear = self.head
-            displacement: Tensor = linear(dropout(last.flatten(0, 1)))
+        last = self.pruning.last_output(self, x, graph)
+        if last is None:
+            last = self.outputs(x, [graph] * N_LAYERS)[-1]
+        _, _, dropout, linear = self.head
+        displacement: Tensor = linear(dropout(last.flatten(0, 1)))
         return displacement.view(*x.shape[:2], 3)
 
     def outputs(
@@ -138,8 +133,8 @@ class PhysGNN(nn.Module):
                 x = found[-1][:, :n]
                 if rest is not None:
                     x = filled(x, rest(place, x.shape[1], n))
-                layer, activation = self.convolutions[index], self.activations[index]
-                found.append(layer(x, graphs[index], activation))
+                x = self.convolutions[index](x, graphs[index])
+                found.append(_by_column(self.activations[index], x))
             places = range(len(found) - LAYERS_A_BLOCK, len(found))
             n = graphs[index].n_points
             layers = [found[place][:, :n] for place in places]
@@ -148,14 +143,16 @@ class PhysGNN(nn.Module):
                 for place, layer in zip(places, layers, strict=True)
             ]
             found.append(attention(layers, others))
-        found.append(self._into_head(found[-1]))
+        # Up to dropout, which differs from call to call.
+        linear, activation = self.head[0], self.head[1]
+        found.append(_by_column(activation, linear(found[-1])))
         return found
 
-    def _into_head(self, x: Tensor) -> Tensor:
-        """Return the head's values before dropout, which differs from call to call."""
-        linear, activation = self.head[0], self.head[1]
-        assert isinstance(linear, nn.Linear) and isinstance(activation, nn.PReLU)
-        return dense([x], [linear.weight], linear.bias, activation.weight)
+
+def _by_column(activation: nn.Module, x: Tensor) -> Tensor:
+    """Apply PReLU, which takes the second dimension for the columns."""
+    activated: Tensor = activation(x.flatten(0, 1))
+    return activated.view_as(x)
 
 
 def _check(configuration: int, dataset: int, width: int) -> None:

@@ -69,7 +69,7 @@ class PhysGNNModel(Network):
         """Compute what the LSTMs would keep for the backward pass twice, or keep it."""
         for module in self.network.modules():
             if isinstance(module, JumpingKnowledge):
-                module.keep_states = not spare
+                module.compiled.keep_states = not spare
 
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:
         """Return displacement in mm, (batch, n_points, 3)."""

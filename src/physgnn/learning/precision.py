@@ -46,7 +46,7 @@ def set_precision(network: nn.Module, precision: str) -> None:
             "precision at float32"
         )
     for attention in attentions:
-        attention.precision = PRECISIONS[precision]
+        attention.compiled.precision = PRECISIONS[precision]
     for module in network.modules():
         if isinstance(module, PhysGNN):
             module.pruning.forget()

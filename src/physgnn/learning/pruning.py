@@ -9,6 +9,7 @@ reaches. The result, and its gradient, are those of the whole computation.
 
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple, Protocol
 
@@ -17,7 +18,6 @@ from torch import Tensor
 from torch.nn import Parameter
 
 from physgnn.learning.graph import Graph
-from physgnn.learning.reach import Reach
 
 Rest = Callable[[int, int, int], Tensor]
 """From an output's place in the list of them, a number of rows and another, to the
@@ -68,6 +68,66 @@ def unloaded(x: Tensor) -> tuple[Tensor, Tensor]:
     force = x[0, (x[0, :, 1] == usual).nonzero()[0, 0], 1:]
     background = torch.cat([x[0, :, :1], force.expand(x.shape[1], -1)], dim=1)
     return background, (x != background).any(dim=2).any(dim=0)
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """Points in the order in which messages from the loads arrive.
+
+    In this order the points within k hops are the first ones, so that leaving out the
+    others is taking the first rows of whatever there is.
+
+    Attributes
+    ----------
+    order : (n_points,) tensor
+        The points, nearest to the loads first.
+    place : (n_points,) tensor
+        The other way round: where each point is in that order.
+    near : tuple of Graph
+        One a layer: its rows the points reached after that layer, its columns these
+        points and their neighbours.
+    far : tuple of Graph
+        One a layer, of the points in reverse order, farthest first: its rows the points
+        whose output without load later layers need, its columns these points and their
+        neighbours.
+    """
+
+    order: Tensor
+    place: Tensor
+    near: tuple[Graph, ...]
+    far: tuple[Graph, ...]
+
+    @classmethod
+    def of(cls, graph: Graph, loaded: Tensor, n_layers: int) -> "Reach":
+        """Follow the edges from the loaded points, (n_points,) bool, n_layers deep."""
+        # Kept for training as well, wherever it was first asked for.
+        with torch.inference_mode(False):
+            hops = _hops(graph, loaded, n_layers + 1)
+            order = torch.argsort(hops, stable=True)
+            within = [int((hops <= k).sum()) for k in range(n_layers + 2)]
+            beyond = [graph.n_points - n for n in within]
+            ahead, back = graph.reordered(order), graph.reordered(order.flip(0))
+            layers = range(1, n_layers + 1)
+            return cls(
+                order,
+                torch.argsort(order),
+                tuple(ahead.cut(within[k], within[k + 1]) for k in layers),
+                tuple(back.cut(beyond[k], beyond[k - 1]) for k in layers),
+            )
+
+    @property
+    def share(self) -> float:
+        """The part of a whole pass's rows that a sample computes."""
+        return self._share(self.near)
+
+    @property
+    def share_without_load(self) -> float:
+        """The part of a whole pass's rows that are needed without load."""
+        return self._share(self.far)
+
+    def _share(self, graphs: tuple[Graph, ...]) -> float:
+        rows = sum(graph.n_points for graph in graphs)
+        return rows / (len(graphs) * len(self.order))
 
 
 class _Kept(NamedTuple):
@@ -179,3 +239,14 @@ def _rest_of(outputs: list[Tensor], reach: Reach) -> Rest:
         return outputs[place][0, reach.order[have:n_rows]]
 
     return rest
+
+
+def _hops(graph: Graph, loaded: Tensor, deepest: int) -> Tensor:
+    """Return how many hops each point is from the loads, deepest + 1 if further."""
+    hops = torch.full_like(loaded, deepest + 1, dtype=torch.int64)
+    hops[loaded] = 0
+    row = graph.row
+    for k in range(1, deepest + 1):
+        touched = row[hops[graph.column] == k - 1]
+        hops[touched] = hops[touched].clamp(max=k)
+    return hops

@@ -45,10 +45,8 @@ from physgnn.learning.run_record import (
 )
 from physgnn.learning.sample_cache import SampleCache
 from physgnn.learning.schedules import SCHEDULES
-from physgnn.learning.threads import only_side_by_side
 from physgnn.learning.trainer import Machine, make_trainer, quiet
 from physgnn.learning.training_config import TrainingConfig
-from physgnn.learning.workspace import reused_memory
 from physgnn.progress import Progress
 
 JUDGED_ON = 100  # validation samples, of what is fitted in one go; they decide nothing
@@ -135,8 +133,6 @@ def train(
         trainer = make_trainer(run, config, callbacks, machine)
         share = Share(trainer.global_rank, trainer.world_size)
         at_once = _at_once(samples, config)
-        stack.enter_context(reused_memory())
-        stack.enter_context(only_side_by_side())
         trainer.fit(
             TrainingModule(models, config, at_once),
             training_batches(samples, config.batch_size, config.seed, share),

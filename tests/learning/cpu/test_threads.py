@@ -2,7 +2,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from physgnn.learning.threads import (
+from physgnn.learning.cpu.threads import (
     n_threads,
     only_side_by_side,
     shares,

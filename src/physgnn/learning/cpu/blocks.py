@@ -8,8 +8,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from physgnn.learning.workspace import ALIGNMENT
-
+ALIGNMENT = 64  # bytes: a cache line
 ROWS_A_BLOCK = 512
 FEWEST_ROWS = 128  # smaller blocks take longer a row
 

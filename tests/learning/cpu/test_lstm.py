@@ -5,10 +5,10 @@ import pytest
 import torch
 from torch import Tensor
 
-from physgnn.learning import lstm_blocks
-from physgnn.learning.lstm import Way
-from physgnn.learning.lstm_data import Weights
-from physgnn.learning.lstm_shared import lstm_scores, read_shared
+from physgnn.learning.cpu import blocks as lstm_blocks
+from physgnn.learning.cpu.data import Weights
+from physgnn.learning.cpu.lstm import Way
+from physgnn.learning.cpu.shared import lstm_scores, read_shared
 
 WIDTH, SIZE, STEPS = 5, 8, 3
 

@@ -9,10 +9,9 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from physgnn.learning.lstm_blocks import Block, States
-from physgnn.learning.lstm_data import Array, Given, StepWeights, as_array
-from physgnn.learning.lstm_kernels import Gradients, State, copy_rows, step, step_back
-from physgnn.learning.workspace import scratch_for
+from physgnn.learning.cpu.blocks import Block, States
+from physgnn.learning.cpu.data import Array, Given, StepWeights, as_array
+from physgnn.learning.cpu.kernels import Gradients, State, copy_rows, step, step_back
 
 
 class Found(NamedTuple):
@@ -133,9 +132,9 @@ def _add_product(
 
 
 def _start(block: Block, given: Given[Array], weights: StepWeights) -> Tensor:
-    """Return this thread's room for inputs and hidden states, with the first ones."""
+    """Return room for inputs and hidden states side by side, with the first ones."""
     matrix = weights.own.matrix
-    inputs = scratch_for("inputs", matrix, len(block), matrix.shape[1])
+    inputs = matrix.new_empty(len(block), matrix.shape[1])
     if given.start:
         copy_rows(given.start[0], as_array(inputs)[:, weights.width :])
     return inputs

@@ -8,7 +8,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from physgnn.learning.lstm_blocks import Block
+from physgnn.learning.cpu.blocks import Block
 
 Array = NDArray[np.generic]
 Rows = TypeVar("Rows", bound=Tensor | Array)
@@ -25,7 +25,7 @@ class Weights(NamedTuple):
     """An LSTM's weights, and the vector that makes a score of a hidden state.
 
     Gates come in the order f, i, g, o, and those of g doubled: see
-    :mod:`physgnn.learning.lstm_kernels`.
+    :mod:`physgnn.learning.cpu.kernels`.
 
     Attributes
     ----------

@@ -13,8 +13,8 @@ import torch
 from torch import Tensor
 from torch.autograd.function import once_differentiable
 
-from physgnn.learning.lstm_blocks import Block, Layout, blocks_of
-from physgnn.learning.lstm_data import (
+from physgnn.learning.cpu.blocks import Block, Layout, blocks_of
+from physgnn.learning.cpu.data import (
     Array,
     Given,
     StepWeights,
@@ -23,9 +23,8 @@ from physgnn.learning.lstm_data import (
     as_array,
     blank_like,
 )
-from physgnn.learning.lstm_steps import Back, Found, read, read_back
-from physgnn.learning.threads import n_threads, side_by_side
-from physgnn.learning.workspace import give_back, scratch, take
+from physgnn.learning.cpu.steps import Back, Found, read, read_back
+from physgnn.learning.cpu.threads import n_threads, side_by_side
 
 
 class Way(NamedTuple):
@@ -82,7 +81,7 @@ class _LSTM(torch.autograd.Function):
     def forward(ctx: Any, way: Way, end: bool, *tensors: Any) -> tuple[Tensor, ...]:
         reading = Reading(tensors, way)
         found = reading.room(end)
-        kept = take(reading.n_bytes) if way.keep else None
+        kept = _buffer(reading.n_bytes) if way.keep else None
         side_by_side(partial(reading.ahead, kept, _arrays(found)), reading.parts)
         ctx.save_for_backward(*tensors, kept)
         ctx.way = way
@@ -99,8 +98,6 @@ class _LSTM(torch.autograd.Function):
             partial(reading.back, kept, _arrays(of_found), arrays_of(of_given)),
             reading.parts,
         )
-        if kept is not None:
-            give_back(kept)
         of_weights = (sum(tensors) for tensors in zip(*parts, strict=True))
         return None, None, *of_weights, *of_given.flat()
 
@@ -167,7 +164,11 @@ class Reading:
 
     def _scratch(self, part: Sequence[Block]) -> Tensor:
         """Return room for the states of one block after another."""
-        return scratch(max(self.layout.n_bytes(block) for block in part))
+        return _buffer(max(self.layout.n_bytes(block) for block in part))
+
+
+def _buffer(n_bytes: int) -> Tensor:
+    return torch.empty(n_bytes, dtype=torch.uint8)
 
 
 def _arrays(tensors: Sequence[Tensor]) -> Sequence[Array]:
