@@ -85,7 +85,8 @@ def evaluate_runs(
     store_path : path
         The dataset, on the mesh of the runs or, for split ``mesh``, on another.
     split : str or Split
-        A row of `physgnn.dataset.SPLITS`, with its default seed, or ``mesh``, or the samples.
+        A row of `physgnn.dataset.SPLITS`, with its default seed, or ``mesh``, or the
+        samples.
     comparison : Comparison
         What stands beside them.
     out : path, optional

@@ -35,8 +35,8 @@ def fit(
     Parameters
     ----------
     stores, splits, config, run, progress
-        As of `physgnn.learning.training.train`, but for one dataset only; of the configuration
-        model, options and loss count.
+        As of `physgnn.learning.training.train`, but for one dataset only; of the
+        configuration model, options and loss count.
 
     Raises
     ------
