@@ -88,7 +88,10 @@ def test_a_measured_surface_becomes_a_deformed_label_map(
         (("-o", "o.vtu"), "give --points"),
         (("--points", "m.csv", "-o", "o.stl"), "written as .vtu"),
         (("--surface", "m.csv", "-o", "o.vtu"), "must be 3 numbers"),
-        (("--points", "m.csv", "--skull", "loose", "-o", "o.vtu"), "fixed, sliding"),
+        (
+            ("--points", "m.csv", "--skull", "loose", "-o", "o.vtu"),
+            "'fixed', 'sliding'",
+        ),
         (("--points", "m.csv", "--image", "no.nii", "-o", "o.vtu"), "no such file"),
     ],
 )

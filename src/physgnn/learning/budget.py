@@ -11,8 +11,8 @@ from physgnn.choices import Clock
 from physgnn.learning.training_config import TrainingConfig
 
 CLOCKS: Mapping[str, Callable[[], float]] = {
-    Clock.WALL: time.monotonic,
-    Clock.PROCESSOR: time.process_time,  # of all threads
+    Clock.WALL.value: time.monotonic,
+    Clock.PROCESSOR.value: time.process_time,  # of all threads
 }
 """What can be counted, in seconds."""
 

@@ -89,6 +89,8 @@ class TrainingConfig:
                     f"{name} must be one of {', '.join(allowed)} "
                     f"(got {getattr(self, name)})"
                 )
+            # Plain text of an enum's member: checkpoints hold no classes of ours.
+            object.__setattr__(self, name, str(getattr(self, name)))
         for name in (
             "batch_size", "learning_rate", "early_stopping", "max_epochs", "memory_mb"
         ):  # fmt: skip
