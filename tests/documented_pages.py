@@ -18,6 +18,7 @@ FENCE = re.compile(
     r"(?P<text>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
+SNIPPET = re.compile(r'^--8<-- "([^"]+)"$', re.MULTILINE)
 TITLE = re.compile(r'title="([^"]+)"')
 
 
@@ -38,7 +39,10 @@ def name_of(page: Path) -> str:
 
 def blocks(page: Path) -> list[Block]:
     """Return the fenced blocks of a page, in order."""
-    text = page.read_text("utf-8")
+    text = SNIPPET.sub(
+        lambda file: (ROOT / file[1]).read_text("utf-8").rstrip(),
+        page.read_text("utf-8"),
+    )
     found = []
     for match in FENCE.finditer(text):
         title = TITLE.search(match["rest"])

@@ -1,6 +1,9 @@
 """Pages that can be read: short, in lines that fit, without what has no reader."""
 
+import json
 import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -55,6 +58,23 @@ def test_figures_are_small_and_used() -> None:
     for figure in (DOCS / "images").iterdir():
         assert figure.stat().st_size < 1000 * FIGURE_KB, figure.name
         assert f"images/{figure.name}" in text, f"no page shows {figure.name}"
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="needs node")
+def test_equations_can_be_typeset() -> None:
+    found = []
+    for page in DOCS.rglob("*.md"):
+        prose = re.sub(r"`[^`\n]*`", "", FENCE.sub("", page.read_text("utf-8")))
+        found += re.findall(r"\$\$(.+?)\$\$", prose, re.DOTALL)
+        rest = re.sub(r"\$\$.+?\$\$", "", prose, flags=re.DOTALL)
+        found += re.findall(r"\$([^$]+)\$", rest)
+    assert len(found) > 50
+    program = (
+        f"const katex = require({json.dumps(str(DOCS / 'assets/katex/katex.min.js'))});"
+        f"for (const text of {json.dumps(found)})"
+        "  katex.renderToString(text, {throwOnError: true, strict: 'error'});"
+    )
+    subprocess.run(["node"], input=program, text=True, check=True)
 
 
 def test_the_site_asks_no_other_server() -> None:
