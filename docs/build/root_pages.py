@@ -1,4 +1,4 @@
-"""Pages of the site that live elsewhere in the repository, where readers look for them."""
+"""Pages of the site that live elsewhere in the repository."""
 
 from pathlib import Path
 

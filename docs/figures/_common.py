@@ -8,10 +8,10 @@ import numpy as np
 import pyvista as pv
 
 mpl.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.pyplot as plt
 
-import physgnn as pg  # noqa: E402
-from physgnn.geometry import mni152_phantom  # noqa: E402
+import physgnn as pg
+from physgnn.geometry import mni152_phantom
 
 OUT = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "images"
 TEAL, ORANGE, PURPLE, GREY = "#0f9d7e", "#d9861a", "#6a4fb3", "#8b929c"
@@ -62,9 +62,7 @@ def block(n: int, shape: tuple[float, float, float] = (1, 1, 1)) -> pg.TetMesh:
 def brain(n_points: int = 700, volume_mm3: float = 900.0) -> pg.TetMesh:
     """Return the bundled brain, held by the skull but for a craniotomy."""
     phantom = mni152_phantom(n_points=n_points)
-    mesh = pg.tetrahedralize(
-        phantom.brain, phantom.tumours, max_volume_mm3=volume_mm3
-    )
+    mesh = pg.tetrahedralize(phantom.brain, phantom.tumours, max_volume_mm3=volume_mm3)
     outer = grid(mesh).extract_surface(algorithm=None)["vtkOriginalPointIds"]
     surface = np.unique(np.array(outer, dtype=np.int64))
     distance = np.linalg.norm(mesh.points[surface] - CRANIOTOMY, axis=1)
@@ -90,7 +88,9 @@ def push(mesh: pg.TetMesh, newton: float, levels: int) -> pg.LoadPath:
     return pg.LoadPath(nodes=nodes, forces=forces, load_factors=factors)
 
 
-def grid(mesh: pg.TetMesh, displacement: np.ndarray | None = None) -> pv.UnstructuredGrid:
+def grid(
+    mesh: pg.TetMesh, displacement: np.ndarray | None = None
+) -> pv.UnstructuredGrid:
     """Return the mesh for PyVista, moved by a displacement if there is one."""
     points = mesh.points if displacement is None else mesh.points + displacement
     made = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, points)
@@ -103,7 +103,10 @@ def grid(mesh: pg.TetMesh, displacement: np.ndarray | None = None) -> pv.Unstruc
 def scene(panels: int, width: int = 1200, height: int = 430) -> pv.Plotter:
     """Return a plotter of panels side by side."""
     plotter = pv.Plotter(
-        shape=(1, panels), window_size=(width, height), border=False, lighting="three lights"
+        shape=(1, panels),
+        window_size=(width, height),
+        border=False,
+        lighting="three lights",
     )
     plotter.set_background("white")
     return plotter

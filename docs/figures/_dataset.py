@@ -22,7 +22,9 @@ def dataset() -> pg.Store:
     paths = []
     for _ in range(N_PATHS):
         middle = mesh.points[rng.choice(loaded)]
-        nodes = loaded[np.argsort(np.linalg.norm(mesh.points[loaded] - middle, axis=1))[:15]]
+        nodes = loaded[
+            np.argsort(np.linalg.norm(mesh.points[loaded] - middle, axis=1))[:15]
+        ]
         direction = np.array([-0.55, -0.35, -0.75]) + rng.normal(scale=0.3, size=3)
         forces = np.tile(4.0 / 15 * direction, (15, 1)) * rng.uniform(0.5, 1.5, (15, 1))
         factors = np.arange(1, N_LEVELS + 1) / N_LEVELS

@@ -26,11 +26,20 @@ true = solve(factors.tolist())
 figure, axes = plt.subplots(figsize=(6.0, 3.8))
 for order, colour in ((1, ORANGE), (2, TEAL)):
     guess = [t * u1 + (order == 2) * t**2 * u2 for t in factors]
-    error = [np.linalg.norm(a - b, axis=1).mean() for a, b in zip(guess, true, strict=True)]
+    error = [
+        np.linalg.norm(a - b, axis=1).mean() for a, b in zip(guess, true, strict=True)
+    ]
     label = ("first order: the linear solution", "second order")[order - 1]
     axes.loglog(factors, error, "o-", c=colour, label=label)
     axes.loglog(factors, error[2] * (factors / factors[2]) ** (order + 1), ":", c=GREY)
 axes.set(xlabel="load factor", ylabel="mean error, mm")
-axes.text(0.05, 0.6, "dotted: slopes 2 and 3", transform=axes.transAxes, color=GREY, fontsize=8)
+axes.text(
+    0.05,
+    0.6,
+    "dotted: slopes 2 and 3",
+    transform=axes.transAxes,
+    color=GREY,
+    fontsize=8,
+)
 axes.legend()
 save(figure, "asymptotic_expansion")

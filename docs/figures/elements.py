@@ -18,9 +18,11 @@ for axes, nu in zip(panels, (0.3, 0.49), strict=True):
             solution = pg.solve(
                 mesh,
                 pg.LoadPath(nodes=nodes, forces=forces, load_factors=[0.5, 1.0]),
-                materials={0: pg.NeoHookean(youngs_modulus_pa=3000.0, poissons_ratio=nu)},
+                materials={
+                    0: pg.NeoHookean(youngs_modulus_pa=3000.0, poissons_ratio=nu)
+                },
                 fixed="fixed",
-                options=pg.SolverOptions(element=element),
+                element=element,
             )
             corner = np.flatnonzero((mesh.points == 40.0).all(axis=1))
             found.append(solution.displacement[-1, corner, 2].mean())

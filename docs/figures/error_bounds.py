@@ -18,14 +18,18 @@ bound = scores[np.searchsorted(weight.cumsum(), 0.9)]
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.2, 3.5))
 left.hist(scores, bins=24, color=TEAL, alpha=0.7)
 left.axvline(bound, c=ORANGE, lw=2)
-left.text(bound, left.get_ylim()[1] * 0.9, " 90 % of the weight", color=ORANGE, fontsize=8)
+left.text(
+    bound, left.get_ylim()[1] * 0.9, " 90 % of the weight", color=ORANGE, fontsize=8
+)
 left.set(xlabel="true error / indicator, calibration paths", ylabel="samples")
 x = np.geomspace(indicator.min(), indicator.max(), 2)
 right.loglog(indicator[test].ravel(), error[test].ravel(), "o", ms=4, c=PURPLE, alpha=0.6,
              label="unseen paths")  # fmt: skip
 right.loglog(x, bound * x, c=ORANGE, lw=2, label="bound")
 held = (error[test] <= bound * indicator[test]).mean()
-right.set(xlabel="indicator, mm²", ylabel="true mean error, mm", title=f"held on {held:.0%}")
+right.set(
+    xlabel="indicator, mm²", ylabel="true mean error, mm", title=f"held on {held:.0%}"
+)
 right.legend(fontsize=8)
 right.grid(color=GREY, alpha=0.2)
 save(figure, "error_bounds")

@@ -16,7 +16,9 @@ for axes, (name, split) in zip(panels, splits.items(), strict=False):
     held = np.zeros((store.n_paths, N_LEVELS))
     held[tuple(split.validation.T)] = 1
     held[tuple(split.test.T)] = 2
-    axes.imshow(held, cmap=ListedColormap(["#d9efe9", "#e6e0f4", ORANGE]), aspect="auto")
+    axes.imshow(
+        held, cmap=ListedColormap(["#d9efe9", "#e6e0f4", ORANGE]), aspect="auto"
+    )
     axes.set(title=f"split “{name}”", xlabel="level", ylabel="load path")
     axes.grid(visible=False)
     errors[name] = []
@@ -33,8 +35,17 @@ for axes, (name, split) in zip(panels, splits.items(), strict=False):
         errors[name].append(np.linalg.norm(guess - u[level], axis=1).mean())
 panels[0].set_xlabel("level (orange: test)")
 bars = panels[2]
-bars.bar(["published", "path"], [np.mean(e) for e in errors.values()], color=[ORANGE, TEAL])
-bars.set(yscale="log", ylim=(2e-3, 0.2), ylabel="mean error, mm", title="a guess without a model")
+bars.bar(
+    ["published", "path"], [np.mean(e) for e in errors.values()], color=[ORANGE, TEAL]
+)
+bars.set(
+    yscale="log",
+    ylim=(2e-3, 0.2),
+    ylabel="mean error, mm",
+    title="a guess without a model",
+)
 bars.grid(axis="x", visible=False)
-bars.set_xlabel("between known levels: interpolated,\nelse the linear solution", fontsize=8)
+bars.set_xlabel(
+    "between known levels: interpolated,\nelse the linear solution", fontsize=8
+)
 save(figure, "evaluation")

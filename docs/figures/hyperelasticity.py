@@ -27,9 +27,27 @@ for name, (law, colour) in LAWS.items():
         stretch += (1 + solution.displacement[ok][:, top, 2].mean(axis=1) / 40).tolist()
         force += (1e3 * total * factors[ok]).tolist()
     order = np.argsort(stretch)
-    axes.plot(np.array(stretch)[order], np.array(force)[order], "o-", ms=3.5, c=colour, label=name)
+    axes.plot(
+        np.array(stretch)[order],
+        np.array(force)[order],
+        "o-",
+        ms=3.5,
+        c=colour,
+        label=name,
+    )
 lengths = np.array([0.7, 1.5])
-axes.plot(lengths, 1e3 * 1e-6 * E * 576 * (lengths - 1), "--", c=GREY, label="linear elasticity")
-axes.set(xlabel="height over height at rest", ylabel="force on the top, mN", xlim=(0.68, 1.55), ylim=(-620, 900))
+axes.plot(
+    lengths,
+    1e3 * 1e-6 * E * 576 * (lengths - 1),
+    "--",
+    c=GREY,
+    label="linear elasticity",
+)
+axes.set(
+    xlabel="height over height at rest",
+    ylabel="force on the top, mN",
+    xlim=(0.68, 1.55),
+    ylim=(-620, 900),
+)
 axes.legend()
 save(figure, "hyperelasticity")

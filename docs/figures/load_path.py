@@ -30,12 +30,16 @@ def miss(degree: int) -> np.ndarray:
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.2, 3.4))
 left.plot(factors, size, "o-", c=TEAL, label="levels solved")
-left.plot(factors, size[1] / factors[1] * factors, "--", c=GREY, label="linear solution")
+left.plot(
+    factors, size[1] / factors[1] * factors, "--", c=GREY, label="linear solution"
+)
 left.set(xlabel="load factor", ylabel="one loaded point, mm")
 left.legend()
 for degree, colour in ((0, GREY), (1, ORANGE), (2, PURPLE), (3, TEAL)):
     label = ("level before", "straight line", "parabola", "cubic")[degree]
-    right.semilogy(factors[degree + 1 :], miss(degree), "o-", ms=4, c=colour, label=label)
+    right.semilogy(
+        factors[degree + 1 :], miss(degree), "o-", ms=4, c=colour, label=label
+    )
 right.set(xlabel="load factor", ylabel="warm start's largest error, mm")
 right.legend(fontsize=8)
 save(figure, "load_path")

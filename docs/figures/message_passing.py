@@ -3,7 +3,18 @@
 import numpy as np
 import pyvista as pv
 from _boxes import arrow, box, canvas
-from _common import CRANIOTOMY, GREY, ORANGE, PURPLE, TEAL, brain, grid, save, scene, write
+from _common import (
+    CRANIOTOMY,
+    GREY,
+    ORANGE,
+    PURPLE,
+    TEAL,
+    brain,
+    grid,
+    save,
+    scene,
+    write,
+)
 from scipy.sparse import coo_matrix
 
 figure, axes = canvas(9.2, 1.9)
@@ -32,13 +43,19 @@ for hop in range(7):
 made = grid(mesh)
 made["hops"] = hops
 plotter = scene(2, 1000, 400)
-for panel, shown in enumerate((made, made.clip(normal=(-0.54, 0.84, 0), origin=CRANIOTOMY))):
+for panel, shown in enumerate(
+    (made, made.clip(normal=(-0.54, 0.84, 0), origin=CRANIOTOMY))
+):
     plotter.subplot(0, panel)
     plotter.add_mesh(shown, scalars="hops", cmap="viridis_r", n_colors=8, clim=(-0.5, 7.5),
                      show_edges=True, edge_color="#555555", line_width=0.4,
                      scalar_bar_args={"title": "hops from the load (7: more)", "fmt": "%.0f",
                                       "color": "black", "n_labels": 2})  # fmt: skip
-    direction = CRANIOTOMY / np.linalg.norm(CRANIOTOMY) if panel == 0 else np.array([-0.45, 0.8, 0.35])
+    direction = (
+        CRANIOTOMY / np.linalg.norm(CRANIOTOMY)
+        if panel == 0
+        else np.array([-0.45, 0.8, 0.35])
+    )
     centre = np.array(made.center)
     plotter.camera_position = [centre + 430 * direction, centre, (0, 0, 1)]
 write(plotter, "k_hop")

@@ -23,7 +23,9 @@ for fields, label, colour in (
         left = test - test @ modes[:r].T @ modes[:r]
         error.append(np.linalg.norm(left.reshape(-1, 3), axis=1).mean())
     axes.loglog(sizes, error, "o-", c=colour, label=label)
-axes.set(xlabel="POD modes", ylabel="mean projection error, unseen paths, mm", xticks=sizes)
+axes.set(
+    xlabel="POD modes", ylabel="mean projection error, unseen paths, mm", xticks=sizes
+)
 axes.set_xticklabels(sizes)
 axes.minorticks_off()
 axes.legend()

@@ -16,8 +16,12 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(8.2, 3.4))
 left.plot(w[: limit + 1], force[: limit + 1], c=TEAL, lw=2.5, label="stable")
 left.plot(w[limit:after], force[limit:after], c=GREY, ls="--", label="passed over")
 left.plot(w[after:], force[after:], c=TEAL, lw=2.5)
-left.annotate("", (w[after], force[limit]), (w[limit], force[limit]),
-              arrowprops={"arrowstyle": "->", "color": ORANGE, "lw": 2})
+left.annotate(
+    "",
+    (w[after], force[limit]),
+    (w[limit], force[limit]),
+    arrowprops={"arrowstyle": "->", "color": ORANGE, "lw": 2},
+)
 left.plot(w[limit], force[limit], "o", c=ORANGE)
 left.text(w[limit], force[limit] * 1.12, "limit point", ha="center", color=ORANGE)
 left.set(xlabel="displacement", ylabel="load", ylim=(-0.25, 0.45))

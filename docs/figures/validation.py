@@ -10,9 +10,17 @@ LINEAR = {
 AVERAGED = {"gravity": {5575: 0.146}, "pressure on a patch": {5575: 0.034}}
 figure, axes = plt.subplots(figsize=(6.2, 3.8))
 for (load, left), marker in zip(LINEAR.items(), "os", strict=True):
-    axes.loglog(*zip(*left.items(), strict=True), f"{marker}-", c=ORANGE, label=f"tet4, {load}")
+    axes.loglog(
+        *zip(*left.items(), strict=True), f"{marker}-", c=ORANGE, label=f"tet4, {load}"
+    )
 for (load, left), marker in zip(AVERAGED.items(), "os", strict=True):
-    axes.loglog(*zip(*left.items(), strict=True), marker, c=TEAL, ms=9, label=f"averaged, {load}")
+    axes.loglog(
+        *zip(*left.items(), strict=True),
+        marker,
+        c=TEAL,
+        ms=9,
+        label=f"averaged, {load}",
+    )
 points = (1257, 73003)
 axes.loglog(points, [0.2, 0.2 * (points[0] / points[1]) ** (1 / 3)], ":", c=GREY)
 axes.loglog(points, [0.2, 0.2 * (points[0] / points[1]) ** (2 / 3)], ":", c=GREY)

@@ -5,7 +5,6 @@ physgnn evaluate run/ --baselines zero,linear
 """
 
 import numpy as np
-
 from physgnn.learning.surrogate import Surrogate
 
 

@@ -23,7 +23,7 @@ IDS = [name_of(page) for page in PAGES]
 
 def words(text: str) -> int:
     """Count what is read: prose and tables, not code."""
-    return len(re.findall(r"\w[\w'’-]*", FENCE.sub("", text)))
+    return len(re.findall(r"\w[\w'-]*", FENCE.sub("", text)))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
