@@ -1,6 +1,6 @@
 # make setup   install into .venv           make demo    the whole job on a bundled brain
 # make test    everything that checks us    make bundled the model in the package
-# make clean   remove what these made
+# make docs    the site, in site/              make clean   remove what these made
 #
 # PYTHON picks the interpreter (3.11 to 3.13); PIP_FLAGS goes to pip, see README.md.
 
@@ -9,7 +9,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
 
-.PHONY: setup demo bundled test clean
+.PHONY: setup demo bundled docs test clean
 
 setup: $(STAMP)
 
@@ -25,7 +25,10 @@ demo: setup
 bundled: setup
 	$(BIN)/physgnn bundle data/bundled
 
-test: setup
+docs: setup
+	DISABLE_MKDOCS_2_WARNING=true NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
+test: setup docs
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
@@ -33,5 +36,5 @@ test: setup
 	$(BIN)/pytest
 
 clean:
-	rm -rf $(VENV) demo src/*.egg-info .*_cache
+	rm -rf $(VENV) demo site src/*.egg-info .*_cache
 	find src tests benchmarks examples -name __pycache__ -prune -exec rm -rf {} +

@@ -1,6 +1,6 @@
 """Locking and its cure: convergence rates, a compressed block, Cook's membrane.
 
-Run ``python benchmarks/elements.py``; prints the tables of docs/mechanics.md.
+Run ``python benchmarks/elements.py``; prints the tables of docs/results/elements.md.
 """
 
 import numpy as np

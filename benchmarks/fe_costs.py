@@ -3,7 +3,7 @@
     python benchmarks/fe_costs.py ../shared/febio/febio_ds2_path1.npz
 
 The file is a reference case as `benchmarks/fe.py` takes them. Seconds are of this
-process's CPU, with one thread. Prints the tables of docs/mechanics.md.
+process's CPU, with one thread. Prints the tables of docs/results/elements.md.
 """
 
 import argparse

@@ -5,7 +5,7 @@
 The load cases are of the last paths at low, middle and full load. Each is asked for
 twice in a row: the first time its anchor's factor has to come from memory, since other
 anchors were used in between; the second, as when a force is dragged about, what of it
-the processor's cache holds is there already. Every time is the median of ``--repeat``
+the processor's cache holds is there already. Every time is the median of ``--repeats``
 rounds over the cases, after one that isn't counted.
 """
 
@@ -70,7 +70,7 @@ def main() -> None:
     parser.add_argument("run", type=Path)
     parser.add_argument("store", type=Path)
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--repeat", type=int, default=15)
+    parser.add_argument("--repeats", type=int, default=15)
     given = parser.parse_args()
     torch.set_num_threads(given.threads)
     store = Store.open(given.store)
@@ -94,7 +94,7 @@ def main() -> None:
             predictor, estimate=Estimate.QUICK
         ),
     }
-    times = {name: median_ms(do, cases, given.repeat) for name, do in steps.items()}
+    times = {name: median_ms(do, cases, given.repeats) for name, do in steps.items()}
     table(
         ("up to", "another anchor before it, ms", "the same again, ms"),
         [(name, f"{a:.1f}", f"{b:.1f}") for name, (a, b) in times.items()],

@@ -20,7 +20,7 @@ count = 60
 [materials.brain]             # or tumour, ventricle, or a region's number; by
 tissue = "brain-ogden"        # default the published brain and tumour
 
-[materials.tumour]            # or a law and its parameters; see docs/mechanics.md
+[materials.tumour]            # or a law: docs/reference/materials.md
 law = "mooney-rivlin"
 c1_pa = 1000
 c2_pa = 250

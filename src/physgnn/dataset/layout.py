@@ -1,6 +1,6 @@
 """How a dataset lies on disk: the arrays of the Zarr store, and reading them safely.
 
-docs/data_format.md describes the same for readers in other languages.
+docs/reference/data_format.md describes the same for readers in other languages.
 """
 
 import hashlib

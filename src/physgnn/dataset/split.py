@@ -1,10 +1,10 @@
 """Which samples train, validate and test a network: the published way, and honest ways.
 
 Neighbouring levels of one load path are almost the same sample, so a split that mixes
-them measures interpolation (docs/results.md). `split_path` holds out whole paths and
-`split_node` whole sets of loaded nodes: of the published datasets only the first has
-such sets, since all paths of the second load the same hundred nodes. To hold out whole
-meshes takes another store.
+them measures interpolation (docs/results/leaking_split.md). `split_path` holds out
+whole paths and `split_node` whole sets of loaded nodes: of the published datasets only
+the first has such sets, since all paths of the second load the same hundred nodes. To
+hold out whole meshes takes another store.
 """
 
 import random

@@ -1,6 +1,6 @@
 """The one place where axes and directions change: RAS+ here, LPS in ITK's files.
 
-See "Images" in docs/conventions.md. World points and vectors change by turning the
+See docs/reference/images.md. World points and vectors change by turning the
 signs of x and y. ITK's transforms map a point of the resampled image to the point of
 the input it shows: they are the inverse of the finite-element displacement.
 """

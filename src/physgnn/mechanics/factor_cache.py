@@ -2,7 +2,7 @@
 
 `RestState(cache=…)` uses it when asked. On the published brain (9444 points, one
 thread) a factor is read in 0.3 s and made in 0.8; it takes 125 MB. With averaged
-tetrahedra: 0.9 s, 4.4 s, 410 MB (docs/performance.md).
+tetrahedra: 0.9 s, 4.4 s, 410 MB (docs/results/finite_elements.md).
 """
 
 import hashlib

@@ -85,7 +85,8 @@ class LikelyError:
     Attributes
     ----------
     mean_mm, max_mm : float
-        Mean and largest nodal Euclidean error, mm; docs/error_bars.md says how near.
+        Mean and largest nodal Euclidean error, mm; docs/results/error_bounds.md says
+        how near.
     """
 
     mean_mm: float

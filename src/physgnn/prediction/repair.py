@@ -58,8 +58,8 @@ def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
     Cells under such a force snap through when it pushes them in deep, and then other
     equilibria lie near; the one meant is that which the growing load reaches. Where an
     answer is not deep it tells which one that is: the repairs seen that began at one
-    and ended at another equilibrium began 1.42 edges deep or more (docs/error_bars.md).
-    Zero if the load acts on many points.
+    and ended at another equilibrium began 1.42 edges deep or more
+    (docs/results/repair.md). Zero if the load acts on many points.
 
     Parameters
     ----------

@@ -87,7 +87,8 @@ def sliding_support(body: Body, *, along_mm: float = ALONG_MM) -> Support:
     if not normals.any(axis=1).all():
         raise InputError(
             "points that slide along the skull must lie on the outer surface (one of "
-            "the point set does not): choose it by a rule of docs/conventions.md"
+            "the point set does not): choose it by a rule of "
+            "docs/reference/point_sets.md"
         )
     moduli = [body.materials[int(label)].mu for label in mesh.region]
     mu = float(np.average(moduli, weights=mesh.cell_volumes))
