@@ -1,4 +1,4 @@
-"""A method from outside the package, as docs/method.md has it, by the command line."""
+"""A method from outside the package, as docs/howto/add_method.md has it, by the command line."""
 
 import os
 import re
