@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.learning.graph import graph_of
 from physgnn.learning.physgnn import N_LAYERS
@@ -22,8 +22,6 @@ from physgnn.learning.physgnn_model import PhysGNNModel
 from physgnn.learning.published import load_published
 from physgnn_speed import CASES
 from tables import table
-
-FloatArray = NDArray[np.float64]
 
 RANGES = {"loaded": (0, 0), "near, 1 to 3 hops": (1, 3), "near, 4 to 6": (4, 6)}
 FAR = "far, more than 6"
@@ -44,7 +42,7 @@ def published_model(folder: Path, store: Store, dataset: int) -> PhysGNNModel:
     return model.eval()
 
 
-def hops(model: PhysGNNModel, loaded: NDArray[np.int64]) -> NDArray[np.int64]:
+def hops(model: PhysGNNModel, loaded: IntArray) -> IntArray:
     """Return how many edges each point is from the loads, 7 if more than six."""
     graph = graph_of(model.body)
     reached = torch.zeros(graph.n_points, dtype=torch.bool)

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.dataset import Store, named_split
 from physgnn.learning.models import build_model
 from physgnn.learning.surrogate import Surrogate
@@ -37,7 +37,7 @@ def measured(
     return float(error.mean()), float(error.max()), 1e3 * seconds
 
 
-def show(name: str, rows: NDArray[np.float64]) -> None:
+def show(name: str, rows: FloatArray) -> None:
     """Print one line of the table."""
     mean, largest = rows[:, 0].mean(), rows[:, 1].mean()
     median, slow = np.median(rows[:, 2]), np.quantile(rows[:, 2], 0.95)

@@ -21,11 +21,11 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry import TetMesh, boundary_surface, mni152_phantom, tetrahedralize
 from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.surface_points import SurfacePoints
@@ -35,7 +35,6 @@ from physgnn.prediction.measurement import N_SURFACE_POINTS
 from physgnn.prediction.registration import Registrar, Registration
 from shifts import EXPOSED_MM, Truth, held
 
-FloatArray = NDArray[np.float64]
 NEAR_MM, N_SKULL, ICP_STEPS = 50.0, 60, 30
 HELD_MM, TOLD_MM = 75.0, 0.75
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
@@ -131,7 +130,7 @@ class Compared:
 class Table:
     """What came out for one kind of measurement, case by case."""
 
-    def __init__(self, kind: str, where: Mapping[str, NDArray[np.bool_]]) -> None:
+    def __init__(self, kind: str, where: Mapping[str, BoolArray]) -> None:
         self._kind, self._where = kind, where
         self._rows: dict[str, list[list[float]]] = {}
         self._ratios: list[list[float]] = []

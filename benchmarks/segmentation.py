@@ -20,7 +20,8 @@ import SimpleITK as sitk
 from nilearn.datasets import load_mni152_brain_mask
 from scipy.spatial.transform import Rotation
 
-from physgnn.geometry.image import FloatArray, ImageGrid, LabelVolume
+from physgnn.arrays import FloatArray
+from physgnn.geometry.image import ImageGrid, LabelVolume
 from physgnn.imaging.transforms import from_itk, to_itk
 from physgnn.io.nifti import write_image
 from physgnn.stages.segmentation import mesh_segmentation

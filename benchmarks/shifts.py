@@ -10,9 +10,9 @@ resists a third as much as the registration thinks.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry import (
     Complement,
     Phantom,
@@ -31,7 +31,6 @@ from physgnn.mechanics.body import Body
 from physgnn.prediction.skull import ALONG_MM, Support, fixed_support, sliding_support
 from physgnn.prediction.tangent_response import TangentResponse
 
-FloatArray = NDArray[np.float64]
 EXPOSED_MM = 30.0
 N_PAIRS, N_SURFACE = 50, 2000
 NOISE_MM, SHIFT_MM = (0.5, 1.0), (5.0, 12.0)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from physgnn.arrays import FloatArray
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.evaluation.evaluate import evaluate, measure
@@ -14,7 +15,7 @@ from physgnn.evaluation.held_out import NONE, HeldOut
 from physgnn.evaluation.metrics import points_near, points_of_region
 from physgnn.evaluation.result import Report
 from physgnn.evaluation.rows import Row
-from physgnn.learning.surrogate import FloatArray, FromFunction
+from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Prediction
 from physgnn.prediction.predictor import Predictor

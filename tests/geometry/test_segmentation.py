@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry import check_nested, check_surface, volume
 from physgnn.geometry.image import ImageGrid, LabelVolume
@@ -36,7 +36,7 @@ ORIENTATIONS = {
 }
 
 
-def phantom(directions: NDArray[np.float64], voxel: tuple[float, ...]) -> LabelVolume:
+def phantom(directions: FloatArray, voxel: tuple[float, ...]) -> LabelVolume:
     """An ellipsoidal brain with a tumour and a ventricle, in any image."""
     shape = tuple(int(140 / size) for size in voxel)
     affine = np.eye(4)

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry.image import Image, ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
 
@@ -22,24 +22,22 @@ def oblique() -> ImageGrid:
 
 def rigid(
     mesh: TetMesh, angles_deg: tuple[float, ...], shift_mm: tuple[float, ...]
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """The displacement of a rigid motion about the block's centre."""
     turn = Rotation.from_euler("xyz", angles_deg, degrees=True).as_matrix()
     return (mesh.points - 5.0) @ turn.T + 5.0 + shift_mm - mesh.points
 
 
-def spot(grid: ImageGrid, centre: NDArray[np.float64]) -> Image:
+def spot(grid: ImageGrid, centre: FloatArray) -> Image:
     """A Gaussian spot at a world point."""
     index = np.moveaxis(np.indices(grid.shape), 0, -1)
     distance = np.linalg.norm(grid.to_world(index) - centre, axis=-1)
     return Image(np.exp(-((distance / 1.2) ** 2)), grid.affine)
 
 
-def centre_of(image: Image) -> NDArray[np.float64]:
+def centre_of(image: Image) -> FloatArray:
     """The world point of an image's centre of mass."""
     index = np.argwhere(image.data > 0)
     weights = np.asarray(image.data[image.data > 0], dtype=np.float64)
-    centre: NDArray[np.float64] = np.average(
-        image.grid.to_world(index), axis=0, weights=weights
-    )
+    centre: FloatArray = np.average(image.grid.to_world(index), axis=0, weights=weights)
     return centre

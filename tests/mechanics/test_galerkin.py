@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.cell_selection import cell_works, weigh_cells
@@ -13,8 +13,6 @@ from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solver import SolverOptions, solve
-
-FloatArray = NDArray[np.float64]
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 EXACT = SolverOptions(tolerance_mm=1e-7)

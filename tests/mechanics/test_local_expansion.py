@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from meshes import block_mesh
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import internal_force, make_elements
@@ -14,8 +14,6 @@ from physgnn.mechanics.local_expansion import LocalExpansion
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solver import SolverOptions, solve
-
-FloatArray = NDArray[np.float64]
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
 EXACT = SolverOptions(tolerance_mm=1e-7)
@@ -33,14 +31,14 @@ def node(mesh: TetMesh) -> int:
 
 
 def expansion(
-    mesh: TetMesh, points: NDArray[np.int64], state: FloatArray | None = None
+    mesh: TetMesh, points: IntArray, state: FloatArray | None = None
 ) -> LocalExpansion:
     state = np.zeros_like(mesh.points) if state is None else state
     body = Body(mesh, MATERIALS)
     return LocalExpansion(body, state, points, make_linear_solver(body.pattern))
 
 
-def around(mesh: TetMesh, node: int, radius: float) -> NDArray[np.int64]:
+def around(mesh: TetMesh, node: int, radius: float) -> IntArray:
     distance = np.linalg.norm(mesh.points - mesh.points[node], axis=1)
     return np.flatnonzero(distance < radius)
 

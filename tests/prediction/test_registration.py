@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from meshes import block_mesh
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry import boundary_faces
 from physgnn.geometry.point_pairs import PointPairs
@@ -42,7 +42,7 @@ def registrar(body: TetMesh) -> Registrar:
     return Registrar(Body(body, MATERIALS))
 
 
-def true_shift(mesh: TetMesh, seed: int, size_mm: float) -> NDArray[np.float64]:
+def true_shift(mesh: TetMesh, seed: int, size_mm: float) -> FloatArray:
     """A sag to one side with a push on top, of a body stiffened otherwise."""
     rng = np.random.default_rng(seed)
     materials = {0: NeoHookean(3000.0, 0.4), 1: NeoHookean(4000.0, 0.47)}
@@ -57,14 +57,14 @@ def true_shift(mesh: TetMesh, seed: int, size_mm: float) -> NDArray[np.float64]:
     return Solver(Body(mesh, materials)).solve(path).displacement[0]
 
 
-def measured(mesh: TetMesh, u: NDArray[np.float64], seed: int) -> PointPairs:
+def measured(mesh: TetMesh, u: FloatArray, seed: int) -> PointPairs:
     top = mesh.point_set("loaded")
     source = mesh.points[top]
     noise = np.random.default_rng(seed).normal(scale=NOISE, size=source.shape)
     return PointPairs(source, source + u[top] + noise)
 
 
-def seen_surface(mesh: TetMesh, u: NDArray[np.float64], seed: int) -> SurfacePoints:
+def seen_surface(mesh: TetMesh, u: FloatArray, seed: int) -> SurfacePoints:
     """Noisy places all over the top where it lies now, in no order."""
     rng = np.random.default_rng(seed)
     faces = boundary_faces(mesh)
@@ -75,7 +75,7 @@ def seen_surface(mesh: TetMesh, u: NDArray[np.float64], seed: int) -> SurfacePoi
     return SurfacePoints(points + rng.normal(scale=NOISE, size=points.shape))
 
 
-def errors(found: Registration, u: NDArray[np.float64]) -> NDArray[np.float64]:
+def errors(found: Registration, u: FloatArray) -> FloatArray:
     return np.linalg.norm(found.prediction.displacement - u, axis=1)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset import layout
 from physgnn.dataset.load_records import distinct, to_record
 from physgnn.dataset.result_rows import result_arrays
@@ -45,7 +46,7 @@ class Definition:
     mesh: TetMesh
     paths: Sequence[LoadPath]
     materials: Mapping[int, Material]
-    fixed: NDArray[np.int64]
+    fixed: IntArray
     element: str = DEFAULT_ELEMENT
 
     def __post_init__(self) -> None:
@@ -129,9 +130,7 @@ def _needed(mesh: TetMesh, materials: Mapping[int, Material]) -> dict[int, Mater
     return {region: materials[region] for region in regions}
 
 
-def _check_paths(
-    mesh: TetMesh, paths: Sequence[LoadPath], fixed: NDArray[np.int64]
-) -> None:
+def _check_paths(mesh: TetMesh, paths: Sequence[LoadPath], fixed: IntArray) -> None:
     """Raise InputError if the paths do not fit the mesh or each other."""
     if not paths:
         raise InputError("a dataset needs one load path or more (got none)")
@@ -151,7 +150,7 @@ def _records(materials: Mapping[int, Material]) -> dict[str, Any]:
 
 def _padded(
     paths: Sequence[LoadPath],
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+) -> tuple[IntArray, FloatArray]:
     """Return nodes and forces of all paths as wide as the widest; node −1 is none."""
     widest = max(len(path.nodes) for path in paths)
     nodes = np.full((len(paths), widest), -1, dtype=np.int64)

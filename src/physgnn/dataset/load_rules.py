@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from physgnn.arrays import IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.tetmesh import TetMesh
@@ -22,7 +22,6 @@ from physgnn.mechanics.loads import Load, LoadPath
 from physgnn.mechanics.prescribed import PrescribedDisplacement
 from physgnn.mechanics.pressure import SurfacePressure, faces_within
 
-IntArray = NDArray[np.int64]
 Paths: TypeAlias = Callable[[TetMesh, IntArray], list[LoadPath]]
 
 

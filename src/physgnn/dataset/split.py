@@ -12,15 +12,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from physgnn import choices
+from physgnn.arrays import IntArray
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-
-IntArray = NDArray[np.int64]
 
 TRAIN, VALIDATION, TEST = 0.7, 0.2, 0.1  # as published
 MESH = choices.Split.MESH

@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset import layout
 from physgnn.dataset.definition import Definition
 from physgnn.dataset.load_records import kind_of
@@ -51,7 +52,7 @@ class Store:
         self.path = Path(path)
         self._group = layout.open_group(self.path)
         self._attributes: dict[str, Any] = dict(self._group.attrs)
-        self.load_factors: NDArray[np.float64] = self._read("load_factors")
+        self.load_factors: FloatArray = self._read("load_factors")
         self.load_factors.flags.writeable = False
         self.n_levels = len(self.load_factors)
         self.n_paths = int(self._attributes["n_paths"])
@@ -74,7 +75,7 @@ class Store:
         paths: Sequence[LoadPath],
         *,
         materials: Mapping[int, Material],
-        fixed: NDArray[np.int64],
+        fixed: IntArray,
         provenance: Mapping[str, Any],
         element: str = DEFAULT_ELEMENT,
     ) -> Self:
@@ -164,7 +165,7 @@ class Store:
         return mesh
 
     @cached_property
-    def fixed(self) -> NDArray[np.int64]:
+    def fixed(self) -> IntArray:
         """Points held at zero displacement."""
         return self._read("fixed")
 
@@ -255,12 +256,12 @@ class Store:
         return self._read("result/residual")
 
     @property
-    def seconds(self) -> NDArray[np.float64]:
+    def seconds(self) -> FloatArray:
         """Time each path took to solve, (n_paths,), s; NaN if pending."""
         return self._read("result/seconds")
 
     @property
-    def reached(self) -> NDArray[np.float64]:
+    def reached(self) -> FloatArray:
         """Highest load factor in equilibrium, (n_paths,); NaN if pending."""
         return self._read("result/reached")
 
@@ -278,7 +279,7 @@ class Store:
         for name, row in encoded(solution).items():
             self._group[f"result/{name}"][i] = row  # type: ignore[index]
 
-    def pending(self) -> NDArray[np.int64]:
+    def pending(self) -> IntArray:
         """Return the paths without a result."""
         return np.flatnonzero((self.status == Status.NOT_SOLVED).all(axis=1))
 
@@ -286,7 +287,7 @@ class Store:
         """Return whether path ``i`` has no result."""
         return bool((self._read("result/status", i) == Status.NOT_SOLVED).all())
 
-    def samples(self) -> NDArray[np.int64]:
+    def samples(self) -> IntArray:
         """Return (path, level) of every converged sample, path by path, (n, 2)."""
         return np.argwhere(self.status == Status.CONVERGED)
 

@@ -7,6 +7,7 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset import layout
 from physgnn.dataset.load_records import from_record
 from physgnn.mechanics.loads import Load, LoadPath
@@ -30,14 +31,14 @@ class StoredPaths:
         Those of all paths.
     """
 
-    nodes: NDArray[np.int64]
-    forces: NDArray[np.float64]
+    nodes: IntArray
+    forces: FloatArray
     more: list[Load]
     more_of_path: NDArray[np.int32]
-    load_factors: NDArray[np.float64]
+    load_factors: FloatArray
 
     @classmethod
-    def read(cls, group: zarr.Group, load_factors: NDArray[np.float64]) -> Self:
+    def read(cls, group: zarr.Group, load_factors: FloatArray) -> Self:
         """Read the tables of a store."""
         nodes = layout.read(group, "loads/nodes")
         forces = layout.read(group, "loads/forces")

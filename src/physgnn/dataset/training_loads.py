@@ -1,12 +1,9 @@
 """The loads that a model is fitted to, without their solutions."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def sample_forces(store: Store, samples: IntArray) -> FloatArray:

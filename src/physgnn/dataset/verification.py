@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import zarr
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset import layout
 from physgnn.dataset.store import Store
 from physgnn.dataset.work import Work, each
@@ -42,8 +42,8 @@ class Verification:
         Levels that converged in the whole store.
     """
 
-    samples: NDArray[np.int64]
-    distance_mm: NDArray[np.float64]
+    samples: IntArray
+    distance_mm: FloatArray
     n_converged: int
 
     @property

@@ -7,15 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.evaluation.held_out import HeldOut
 from physgnn.io.atomic import write_whole
 from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.predictor import Predictor
 from physgnn.progress import Progress
-
-FloatArray = NDArray[np.float64]
 
 MAX_SAMPLES = 240  # the physical estimate takes ten times as long as a prediction
 FACTOR = 2.0  # the estimate is to be right within

@@ -7,9 +7,7 @@ from a histogram with logarithmic bins 0.25 % wide, from 10⁻⁶ to 10⁴ mm.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-FloatArray = NDArray[np.float64]
+from numpy.typing import ArrayLike
 
 SMALLEST_MM = 1e-6  # what is smaller counts as zero in quantiles
 LARGEST_MM = 1e4

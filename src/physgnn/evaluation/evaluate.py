@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.choices import Estimate
 from physgnn.dataset.store import Store
 from physgnn.evaluation.held_out import HeldOut
 from physgnn.evaluation.kept_rows import KeptRows
 from physgnn.evaluation.metrics import (
-    BoolArray,
-    FloatArray,
     PooledErrors,
     SampleError,
     nodal_errors,

@@ -12,6 +12,7 @@ from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from physgnn.arrays import FloatArray
 from physgnn.choices import Estimate
 from physgnn.dataset.store import Store
 from physgnn.evaluation import scenes
@@ -19,7 +20,7 @@ from physgnn.evaluation.charts import estimate_chart, histogram_chart, level_cha
 from physgnn.evaluation.coverage import BarSample
 from physgnn.evaluation.coverage_chart import bars_chart
 from physgnn.evaluation.result import ModelErrors, Report
-from physgnn.evaluation.scenes import FloatArray, Pixels, View
+from physgnn.evaluation.scenes import Pixels, View
 from physgnn.evaluation.style import (
     BRAIN,
     DISPLACEMENT_MAP,

@@ -6,15 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import IntArray
 from physgnn.dataset.split import MESH, SPLITS, Split, named_split
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import check_mesh
 from physgnn.learning.run_record import trained_meshes
-
-IntArray = NDArray[np.int64]
 
 NONE = np.empty((0, 2), dtype=np.int64)
 

@@ -4,14 +4,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from physgnn.arrays import BoolArray, FloatArray, IntArray
 from physgnn.evaluation.distribution import Distribution, RunningDistribution
 from physgnn.geometry.tetmesh import TetMesh
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 COMPONENTS = ("x", "y", "z", "euclidean", "position")
 LOADED_REGION_MM = 10.0  # the loaded region: points this near a loaded point, at rest
@@ -59,7 +56,7 @@ def nodal_errors(truth: FloatArray, predicted: FloatArray) -> dict[str, FloatArr
 
 
 def points_near(
-    mesh: TetMesh, nodes: NDArray[np.int64], *, radius_mm: float = LOADED_REGION_MM
+    mesh: TetMesh, nodes: IntArray, *, radius_mm: float = LOADED_REGION_MM
 ) -> BoolArray:
     """Return which points lie within `radius_mm` of one of `nodes`, at rest."""
     distance, _ = cKDTree(mesh.points[nodes]).query(mesh.points)

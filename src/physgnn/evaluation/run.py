@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import IntArray
 from physgnn.dataset.split import MESH, Split
 from physgnn.dataset.store import Store
 from physgnn.evaluation.baselines import baseline_rows, named_baselines
@@ -177,9 +177,7 @@ def write_evaluation(
     write_report(report, pictures, files.report)
 
 
-def solve_seconds(
-    predictor: Predictor, store: Store, samples: NDArray[np.int64]
-) -> float:
+def solve_seconds(predictor: Predictor, store: Store, samples: IntArray) -> float:
     """Return the median time of a finite-element solve of a few of the samples."""
     solver = FiniteElementPredictor(predictor.body)
     picks = np.linspace(0, len(samples) - 1, min(SOLVED_CASES, len(samples)))

@@ -7,12 +7,12 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.evaluation.style import BRAIN, FIXED, LOADED, TUMOUR
 from physgnn.geometry import regions
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads import LoadCase
 
-FloatArray = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 SIZE = (1200, 1100)  # pixels
@@ -37,7 +37,7 @@ class View:
     up: FloatArray
 
     @classmethod
-    def of(cls, mesh: TetMesh, nodes: NDArray[np.int64]) -> "View":
+    def of(cls, mesh: TetMesh, nodes: IntArray) -> "View":
         """Return the view on a load at these nodes, z up."""
         centre = mesh.points.mean(axis=0)
         load = mesh.points[nodes].mean(axis=0) - centre

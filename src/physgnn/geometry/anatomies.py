@@ -8,8 +8,8 @@ another place, the skull holding what the craniotomy leaves, a mesh of another d
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_surface
 from physgnn.geometry.phantom import mni152_phantom, outermost, sphere
@@ -18,8 +18,6 @@ from physgnn.geometry.surface import Surface
 from physgnn.geometry.surface_checks import check_nested, check_surface
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.geometry.tetrahedralize import tetrahedralize
-
-FloatArray = NDArray[np.float64]
 
 N_BENDS = 5
 STEEPEST = np.exp(-0.5)  # slope of a Gaussian of height and width 1

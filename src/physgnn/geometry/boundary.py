@@ -1,8 +1,8 @@
 """The outer boundary of a tetrahedral mesh."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import IntArray
 from physgnn.geometry.surface import FaceArray, Surface
 from physgnn.geometry.tetmesh import TetMesh
 
@@ -23,7 +23,7 @@ def boundary_faces(mesh: TetMesh) -> FaceArray:
     return outer
 
 
-def boundary_points(mesh: TetMesh) -> NDArray[np.int64]:
+def boundary_points(mesh: TetMesh) -> IntArray:
     """Return the points of the outer boundary, ascending."""
     return np.unique(boundary_faces(mesh)).astype(np.int64)
 

@@ -6,9 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
-
-FloatArray = NDArray[np.float64]
 
 # Rounding in a NIfTI header's float32 affine stays far below this cosine.
 SHEAR = 1e-3
@@ -137,6 +136,6 @@ class LabelVolume(Image):
             raise InputError("the segmentation is empty: every voxel is 0")
         object.__setattr__(self, "data", whole)
 
-    def mask(self, labels: tuple[int, ...]) -> NDArray[np.bool_]:
+    def mask(self, labels: tuple[int, ...]) -> BoolArray:
         """Return where any of these labels is."""
         return np.isin(self.data, labels)

@@ -3,13 +3,10 @@
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import BoolArray, FloatArray, IntArray
 from physgnn.geometry.normals import face_normals
 from physgnn.geometry.surface import Surface
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 CHUNK = 4_000_000
 
@@ -87,7 +84,7 @@ def _without_shared(a: IntArray, b: IntArray) -> IntArray:
     return np.where(shared, own[:, None], a)
 
 
-def _meet(points: FloatArray, a: IntArray, b: IntArray) -> NDArray[np.bool_]:
+def _meet(points: FloatArray, a: IntArray, b: IntArray) -> BoolArray:
     """Whether triangles meet, by the separating axis theorem.
 
     Convex sets are apart if and only if their projections on some axis are: a normal,

@@ -1,12 +1,9 @@
 """How the points of a mesh hang together by the edges of its cells."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import BoolArray, IntArray
 from physgnn.geometry.tetmesh import TetMesh
-
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 def points_within(mesh: TetMesh, start: IntArray, n_steps: int) -> BoolArray:

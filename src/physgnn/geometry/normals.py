@@ -1,11 +1,9 @@
 """Normals of faces and points."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry.surface import FaceArray, Surface
-
-FloatArray = NDArray[np.float64]
 
 
 def face_normals(surface: Surface) -> FloatArray:

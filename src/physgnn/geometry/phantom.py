@@ -11,15 +11,13 @@ import numpy as np
 import pyacvd
 import pymeshfix
 import pyvista as pv
-from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import marching_cubes
 
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface
 from physgnn.geometry.surface_checks import check_nested, check_surface
-
-FloatArray = NDArray[np.float64]
 
 VOXEL_MM = 2
 CLOSING_MM = 10.0  # fills the sulci, keeps the cleft between cerebrum and cerebellum
@@ -117,7 +115,7 @@ def _uniform(fine: pv.PolyData, n_points: int) -> pv.PolyData:
     return coarse
 
 
-def _brain_mask() -> tuple[NDArray[np.bool_], FloatArray]:
+def _brain_mask() -> tuple[BoolArray, FloatArray]:
     # nilearn takes seconds to import: only this function needs it
     from nilearn.datasets import load_mni152_brain_mask
 

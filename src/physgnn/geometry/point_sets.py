@@ -20,16 +20,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import BoolArray, FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_surface
 from physgnn.geometry.surface import Surface
 from physgnn.geometry.tetmesh import TetMesh
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+Mask = BoolArray
 
 COMPARISONS: Mapping[str, Callable[[FloatArray, float], Mask]] = {
     "<": operator.lt,

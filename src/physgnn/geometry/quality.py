@@ -5,12 +5,10 @@ from itertools import combinations
 
 import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh, shape_gradients
-
-FloatArray = NDArray[np.float64]
 
 # A cell below this mean ratio is a sliver that locks or inverts at once; the
 # published brain mesh's worst cell has 0.092.

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from physgnn.geometry.image import FloatArray, ImageGrid
+from physgnn.arrays import BoolArray, FloatArray
+from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.surface import Surface, volume
 
 
@@ -44,9 +44,7 @@ class SurfaceFit:
         )
 
 
-def surface_fit(
-    surface: Surface, mask: NDArray[np.bool_], grid: ImageGrid
-) -> SurfaceFit:
+def surface_fit(surface: Surface, mask: BoolArray, grid: ImageGrid) -> SurfaceFit:
     """Compare a closed surface with the mask it shall follow.
 
     The mask's boundary is sampled at the centres of the voxel faces between inside and
@@ -67,7 +65,7 @@ def surface_fit(
     )
 
 
-def _boundary(mask: NDArray[np.bool_]) -> FloatArray:
+def _boundary(mask: BoolArray) -> FloatArray:
     """Return the centres of the faces between inside and outside, in voxel indices."""
     centres = []
     for axis in range(3):

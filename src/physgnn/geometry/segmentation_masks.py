@@ -7,15 +7,15 @@ changed is said, in ml.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.image import FloatArray, ImageGrid, LabelVolume
+from physgnn.geometry.image import ImageGrid, LabelVolume
 from physgnn.geometry.label_tables import LabelTable
 from physgnn.geometry.regions import REGIONS
 
-Mask = NDArray[np.bool_]
+Mask = BoolArray
 
 # A second piece of brain larger than this fraction of the first is no speck.
 SPECK = 0.05

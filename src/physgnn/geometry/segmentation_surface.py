@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import marching_cubes
 
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.image import FloatArray, ImageGrid
+from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.normals import vertex_normals
 from physgnn.geometry.surface import Surface, volume
 
@@ -28,9 +29,7 @@ FINE_PER_POINT = 8  # its points for every even one, which the clustering needs
 VOLUME_TOLERANCE = 1e-4
 
 
-def level_set(
-    mask: NDArray[np.bool_], grid: ImageGrid, smoothing_mm: float
-) -> LevelSet:
+def level_set(mask: BoolArray, grid: ImageGrid, smoothing_mm: float) -> LevelSet:
     """Return a smooth signed distance in mm, negative inside.
 
     As many voxels are negative as the mask has.

@@ -6,16 +6,13 @@ Every refusal says where, in mm, so that the place can be found in a viewer.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.intersections import crossing_faces
 from physgnn.geometry.normals import area_vectors
 from physgnn.geometry.surface import Surface, volume
 from physgnn.geometry.topology import edge_counts, orientation, pinched_points
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # The diagonal of a bounding box, mm: a small lesion to a large head, with room.
 # Outside of it the file is in other units.

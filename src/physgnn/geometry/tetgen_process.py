@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
+
 INPUT, OUTPUT = "surface.npz", "mesh.npz"
 
 
@@ -23,12 +25,12 @@ def available() -> bool:
 
 
 def run(
-    points: NDArray[np.float64],
+    points: FloatArray,
     faces: NDArray[np.int32],
     switches: str,
     *,
     timeout_s: float = 600.0,
-) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
+) -> tuple[FloatArray, NDArray[np.int32], NDArray[np.int32]]:
     """Mesh a piecewise linear complex.
 
     Returns

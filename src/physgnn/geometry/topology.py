@@ -5,13 +5,11 @@ or 2 starting at that corner of the face. Its number is also that of its corner.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from physgnn.arrays import IntArray
 from physgnn.geometry.surface import FaceArray, directed_edges
-
-IntArray = NDArray[np.int64]
 
 
 def edge_counts(faces: FaceArray) -> tuple[FaceArray, IntArray]:

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.image import FloatArray, ImageGrid
+from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging.rasterize import rasterize
 
@@ -45,7 +45,7 @@ class DisplacementField:
 
     vectors: FloatArray
     grid: ImageGrid
-    inside: NDArray[np.bool_]
+    inside: BoolArray
     direction: Literal["forward", "inverse"]
     fade_mm: float
 
@@ -133,7 +133,7 @@ def round_trip_mm(forward: DisplacementField, inverse: DisplacementField) -> Flo
 
 def _extended(
     vectors: FloatArray,
-    inside: NDArray[np.bool_],
+    inside: BoolArray,
     grid: ImageGrid,
     direction: Literal["forward", "inverse"],
     fade_mm: float,

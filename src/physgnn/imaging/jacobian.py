@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import SimpleITK as sitk
 
-from physgnn.geometry.image import FloatArray, Image, ImageGrid
+from physgnn.arrays import FloatArray
+from physgnn.geometry.image import Image, ImageGrid
 from physgnn.geometry.tetmesh import TetMesh, signed_volumes
 from physgnn.imaging.field import DisplacementField
 from physgnn.imaging.rasterize import rasterize

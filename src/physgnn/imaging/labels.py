@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.image import FloatArray, ImageGrid, LabelVolume
+from physgnn.geometry.image import ImageGrid, LabelVolume
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging.rasterize import rasterize
 

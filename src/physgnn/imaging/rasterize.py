@@ -8,7 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from physgnn.geometry.image import FloatArray, ImageGrid
+from physgnn.arrays import FloatArray
+from physgnn.geometry.image import ImageGrid
 
 # Voxel centres on the outer surface count as inside, whatever the rounding.
 TOLERANCE = 1e-9

@@ -4,9 +4,10 @@ import nibabel as nib
 import numpy as np
 from matplotlib.figure import Figure
 from nibabel.orientations import apply_orientation, io_orientation
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from physgnn.geometry.image import FloatArray, Image, LabelVolume
+from physgnn.arrays import BoolArray, FloatArray
+from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging.field import grid_around, inverse_field
 from physgnn.imaging.labels import deformed_labels
@@ -115,9 +116,9 @@ def _upright(image: Image) -> tuple[FloatArray, FloatArray]:
     return np.asarray(apply_orientation(data, turn)), np.asarray(affine)
 
 
-def _checkerboard(shape: tuple[int, ...], sizes: FloatArray) -> NDArray[np.bool_]:
+def _checkerboard(shape: tuple[int, ...], sizes: FloatArray) -> BoolArray:
     rows, columns = (
         np.arange(n) * size // SQUARE_MM for n, size in zip(shape, sizes, strict=True)
     )
-    even: NDArray[np.bool_] = (rows[:, None] + columns[None, :]) % 2 == 0
+    even: BoolArray = (rows[:, None] + columns[None, :]) % 2 == 0
     return even

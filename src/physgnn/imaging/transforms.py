@@ -9,8 +9,9 @@ import nibabel as nib
 import numpy as np
 import SimpleITK as sitk
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.image import FloatArray, Image, ImageGrid
+from physgnn.geometry.image import Image, ImageGrid
 from physgnn.imaging.field import DisplacementField
 
 RAS_TO_LPS = np.diag([-1.0, -1.0, 1.0])

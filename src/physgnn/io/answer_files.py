@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
@@ -25,7 +25,6 @@ from physgnn.io.nifti import SUFFIXES, write_image
 from physgnn.io.prediction_file import DISPLACEMENT, write_deformed
 from physgnn.io.vtu import write_prediction
 
-FloatArray = NDArray[np.float64]
 IMAGES = tuple(reversed(SUFFIXES))
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_file
@@ -71,7 +71,7 @@ def write_febio(
     load_path: LoadPath,
     *,
     materials: Mapping[int, Material],
-    fixed: NDArray[np.int64],
+    fixed: IntArray,
 ) -> None:
     """Write a model whose steps are the levels of a load path.
 
@@ -114,7 +114,7 @@ def _model(
     mesh: TetMesh,
     load_path: LoadPath,
     materials: Mapping[int, Material],
-    fixed: NDArray[np.int64],
+    fixed: IntArray,
     log: str,
 ) -> Iterator[str]:
     regions = np.unique(mesh.region).tolist()
@@ -159,8 +159,8 @@ def _materials(regions: list[int], materials: Mapping[int, Material]) -> Iterato
 def _mesh(
     mesh: TetMesh,
     regions: list[int],
-    fixed: NDArray[np.int64],
-    loaded: NDArray[np.int64],
+    fixed: IntArray,
+    loaded: IntArray,
 ) -> Iterator[str]:
     yield '    <Nodes name="all">'
     for i, point in enumerate(mesh.points.tolist(), 1):
@@ -177,7 +177,7 @@ def _mesh(
         yield f'    <NodeSet name="{name}">{_list((ids + 1).tolist())}</NodeSet>'
 
 
-def _forces(forces: NDArray[np.float64]) -> Iterator[str]:
+def _forces(forces: FloatArray) -> Iterator[str]:
     """Yield a map of every component; ``lid`` counts within the node set."""
     for axis, values in zip(AXES, forces.T.tolist(), strict=True):
         yield f'    <NodeData name="force-{axis}" node_set="loaded" data_type="scalar">'
@@ -186,7 +186,7 @@ def _forces(forces: NDArray[np.float64]) -> Iterator[str]:
         yield "    </NodeData>"
 
 
-def _load_curve(load_factors: NDArray[np.float64]) -> Iterator[str]:
+def _load_curve(load_factors: FloatArray) -> Iterator[str]:
     yield '    <load_controller id="1" type="loadcurve">'
     yield "      <interpolate>LINEAR</interpolate>"
     yield "      <extend>CONSTANT</extend>"

@@ -8,14 +8,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.io.simulation import solution_of
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.solution import Solution
-
-FloatArray = NDArray[np.float64]
 
 SAME_TIME = 1e-6  # FEBio prints nine digits of the time
 DELIMITERS = str.maketrans(",;\t", "   ")
@@ -26,7 +24,7 @@ def read_febio_log(
     load_path: LoadPath,
     *,
     times: FloatArray,
-    node_ids: NDArray[np.int64],
+    node_ids: IntArray,
 ) -> Solution:
     """Read the displacement at every level of a load path.
 
@@ -82,9 +80,7 @@ def _blocks(path: Path) -> Iterator[tuple[float, list[str]]]:
         yield float(lines[start].partition("=")[2]), rows
 
 
-def _placed(
-    path: Path, time: float, rows: list[str], node_ids: NDArray[np.int64]
-) -> FloatArray:
+def _placed(path: Path, time: float, rows: list[str], node_ids: IntArray) -> FloatArray:
     """Return the displacement of a step in the order of the mesh's points."""
     try:
         table = np.array(

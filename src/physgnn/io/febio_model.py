@@ -11,8 +11,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio import AXES, REGION_PREFIX
@@ -21,9 +21,6 @@ from physgnn.io.febio_materials import material_of
 from physgnn.io.simulation import Simulation
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import Material
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SECTIONS = (
     *("Module", "Control", "Globals", "Material", "Mesh", "MeshDomains", "MeshData"),

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.tetmesh import TetMesh
@@ -87,11 +87,11 @@ def _load_case(content: Any, mesh: TetMesh, snap_mm: float) -> LoadCase:
 
 
 def _snapped(
-    points: NDArray[np.float64],
-    forces: NDArray[np.float64],
+    points: FloatArray,
+    forces: FloatArray,
     mesh: TetMesh,
     snap_mm: float,
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+) -> tuple[IntArray, FloatArray]:
     """Return the nearest surface nodes and the sum of the forces on each."""
     if len(points) != len(forces):
         raise InputError(
@@ -112,14 +112,14 @@ def _snapped(
     return nodes, total
 
 
-def _whole_numbers(value: Any) -> NDArray[np.int64]:
+def _whole_numbers(value: Any) -> IntArray:
     # bool passes for int in Python, but true is no node
     if not isinstance(value, list) or not all(type(node) is int for node in value):
         raise InputError("nodes must be a list of whole numbers")
     return np.array(value, dtype=np.int64)
 
 
-def _rows(value: Any, name: str) -> NDArray[np.float64]:
+def _rows(value: Any, name: str) -> FloatArray:
     try:
         rows = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):

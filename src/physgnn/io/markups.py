@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.point_pairs import FloatArray, PointPairs
+from physgnn.geometry.point_pairs import PointPairs
 from physgnn.imaging.transforms import points_to_ras
 
 PAIR_COLUMNS = [f"{end}_{axis}" for end in ("source", "target") for axis in "xyz"]

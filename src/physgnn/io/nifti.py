@@ -8,8 +8,9 @@ from nibabel.filebasedimages import ImageFileError
 from nibabel.spatialimages import HeaderDataError
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.image import FloatArray, Image, LabelVolume
+from physgnn.geometry.image import Image, LabelVolume
 from physgnn.io.atomic import whole_file
 
 SUFFIXES = (".nii", ".nii.gz")

@@ -6,6 +6,7 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
 from physgnn.geometry.tetmesh import TetMesh
@@ -17,7 +18,7 @@ DISPLACEMENT = "displacement_mm"
 STATE, DEFORMED = "state", "deformed"
 
 
-def read_displacement(path: str | Path) -> tuple[TetMesh, NDArray[np.float64]]:
+def read_displacement(path: str | Path) -> tuple[TetMesh, FloatArray]:
     """Read a mesh in its rest state and the displacement on its points, mm.
 
     Parameters
@@ -48,9 +49,7 @@ def read_displacement(path: str | Path) -> tuple[TetMesh, NDArray[np.float64]]:
     return mesh, np.asarray(arrays[DISPLACEMENT], dtype=np.float64)
 
 
-def write_deformed(
-    path: str | Path, mesh: TetMesh, displacement: NDArray[np.float64]
-) -> None:
+def write_deformed(path: str | Path, mesh: TetMesh, displacement: FloatArray) -> None:
     """Write the body where it moves to: .vtu the mesh, .vtp its surfaces.
 
     The point array ``displacement_mm`` leads back to the rest state; the cell array

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_folder
@@ -24,8 +24,6 @@ from physgnn.io.vtk_reader import read_vtk
 from physgnn.io.vtu import grid_of, mesh_of, save_grid
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.solution import Solution, Status
-
-FloatArray = NDArray[np.float64]
 
 SUFFIXES = (".vtu", ".vtk")
 DISPLACEMENT, FORCE, FACTOR = "displacement_mm", "force_n", "load_factor"
@@ -124,7 +122,7 @@ def _vectors(grid: pv.DataSet, name: str, mesh: TetMesh) -> FloatArray:
     return values
 
 
-def _fixed(grid: pv.DataSet) -> NDArray[np.int64]:
+def _fixed(grid: pv.DataSet) -> IntArray:
     mesh = mesh_of(grid)
     if "fixed" not in mesh.point_sets and "in_fixed" in grid.point_data:
         return np.flatnonzero(grid.point_data["in_fixed"])

@@ -4,14 +4,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import Material
 from physgnn.mechanics.solution import Solution, Status
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +31,7 @@ class Simulation:
 
     source: str
     mesh: TetMesh
-    fixed: NDArray[np.int64]
+    fixed: IntArray
     load_path: LoadPath
     materials: Mapping[int, Material] | None
     answer: Callable[[], Solution]

@@ -8,8 +8,8 @@ import re
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
 
@@ -33,7 +33,7 @@ def read_stl(path: Path) -> Surface:
     return merge_points(corners, faces)
 
 
-def _binary(data: bytes) -> NDArray[np.float64] | None:
+def _binary(data: bytes) -> FloatArray | None:
     """Return the corners, or None if the size does not fit the count in the header.
 
     The first word cannot tell the two kinds apart: binary files may begin with
@@ -48,7 +48,7 @@ def _binary(data: bytes) -> NDArray[np.float64] | None:
     return triangles["corners"].reshape(-1, 3).astype(np.float64)
 
 
-def _ascii(data: bytes, path: Path) -> NDArray[np.float64]:
+def _ascii(data: bytes, path: Path) -> FloatArray:
     if not data.lstrip().startswith(b"solid") or b"\0" in data:
         raise InputError(
             f"{path}: expected an STL file, but it is neither ASCII (it does not begin "

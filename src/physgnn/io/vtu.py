@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_file
@@ -34,7 +34,7 @@ def write_mesh(path: str | Path, mesh: TetMesh) -> None:
 
 
 def write_prediction(
-    path: str | Path, mesh: TetMesh, fields: Mapping[str, NDArray[np.float64]]
+    path: str | Path, mesh: TetMesh, fields: Mapping[str, FloatArray]
 ) -> None:
     """Write a mesh in its rest state with fields on its points.
 

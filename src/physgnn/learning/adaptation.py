@@ -1,9 +1,9 @@
 """A trained surrogate on a body it never saw: nothing is learnt there."""
 
+from physgnn.arrays import FloatArray
 from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.models import build_model
 from physgnn.learning.run_record import trained_meshes
-from physgnn.mechanics.anchors import FloatArray
 from physgnn.mechanics.body import Body
 
 # Written anew by `Checkpoint.save`.

@@ -5,15 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset, Sampler
 
+from physgnn.arrays import IntArray
 from physgnn.dataset.store import Store
 from physgnn.learning.network import Network
 from physgnn.learning.sample_cache import SampleCache
 
-IntArray = NDArray[np.int64]
 Batch = tuple[Tensor, Tensor]
 
 

@@ -1,13 +1,10 @@
 """What PhysGNN is told of every point: its kind and the force on it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads import LoadCase
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 TUMOUR_REGION = 1
 FIXED, TUMOUR, BRAIN = 0.0, 0.4, 1.0

@@ -8,10 +8,11 @@ points around loaded ones are unknowns of their own, a few weighted cells stand 
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.mesh_topology import points_within
-from physgnn.learning.surrogate import Arrays, FloatArray, IntArray, Surrogate
+from physgnn.learning.surrogate import Arrays, Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.cell_selection import cell_works, weigh_cells
 from physgnn.mechanics.element import DEFAULT_ELEMENT

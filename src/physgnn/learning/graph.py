@@ -11,12 +11,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
 
 
-def as_float32(array: NDArray[np.float64]) -> Tensor:
+def as_float32(array: FloatArray) -> Tensor:
     """Cast to float32: the one place where mechanics' float64 ends."""
     return torch.from_numpy(np.ascontiguousarray(array, dtype=np.float32))
 
@@ -137,7 +138,7 @@ def graph_of(body: Body) -> Graph:
     return _graphs[body.mesh]
 
 
-def _edges(cells: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _edges(cells: NDArray[np.int32]) -> tuple[IntArray, IntArray]:
     """Return start and end of every edge both ways, sorted by start, then end."""
     n_points = int(cells.max()) + 1
     pairs = [(i, j) for i in range(4) for j in range(4) if i != j]

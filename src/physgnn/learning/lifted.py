@@ -12,9 +12,9 @@ from typing import Self
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.dataset.training_loads import sample_forces
 from physgnn.errors import InputError
@@ -32,9 +32,6 @@ from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.modes import leading_modes
 from physgnn.mechanics.near_loads import NearLoads
 from physgnn.mechanics.perturbation import Perturbation
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MAX_SNAPSHOTS = 600  # more don't change the modes that pay, and cost memory
 HIDDEN = 64  # of the small network from modes to modes

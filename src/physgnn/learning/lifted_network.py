@@ -4,15 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.tetmesh import shape_gradients
 from physgnn.learning.graph import as_float32
 from physgnn.learning.mesh_gradient import Stencil, edge_lengths
 from physgnn.mechanics.body import Body
-
-IntArray = NDArray[np.int64]
 
 N_STATIC = 4
 N_FEATURES = 3 * 12 + 3 + 3 + N_STATIC
@@ -44,7 +42,7 @@ class Patch:
     static: Tensor
 
     @classmethod
-    def of(cls, body: Body, near: NDArray[np.bool_]) -> "Patch":
+    def of(cls, body: Body, near: BoolArray) -> "Patch":
         """Cut the cells all of whose points are near out of a body's mesh."""
         mesh = body.mesh
         inside = near[mesh.cells].all(axis=1)
@@ -133,7 +131,7 @@ def _features(terms: Tensor, force: Tensor, size: Tensor, patch: Patch) -> Tenso
     return torch.cat([gradients, shape, force / patch.stiffness, static], dim=-1)
 
 
-def _shear_modulus(body: Body) -> NDArray[np.float64]:
+def _shear_modulus(body: Body) -> FloatArray:
     """Return the mean shear modulus of the cells at each point, MPa."""
     mesh = body.mesh
     modulus = np.zeros(mesh.n_cells)
@@ -143,11 +141,11 @@ def _shear_modulus(body: Body) -> NDArray[np.float64]:
         mesh.cells.ravel(), np.repeat(modulus, 4), minlength=mesh.n_points
     )
     count = np.bincount(mesh.cells.ravel(), minlength=mesh.n_points)
-    mean: NDArray[np.float64] = total / count
+    mean: FloatArray = total / count
     return mean
 
 
-def _outward_area(body: Body) -> NDArray[np.float64]:
+def _outward_area(body: Body) -> FloatArray:
     """Return ∫ N n dA at each point, mm²: by Gauss, the sum of V ∂N/∂X over cells."""
     mesh = body.mesh
     parts = shape_gradients(mesh.points, mesh.cells) * mesh.cell_volumes[:, None, None]

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.autograd.function import once_differentiable
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry.tetmesh import shape_gradients
 
-FloatArray = NDArray[np.float64]
 CellArray = NDArray[np.integer[Any]]
 
 

@@ -2,14 +2,11 @@
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.learning.features import force_features
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class Normalizer(nn.Module):

@@ -1,9 +1,9 @@
 """PhysGNN as a model: published features, a normaliser, the network."""
 
 import numpy as np
-from numpy.typing import NDArray
 from torch import Tensor
 
+from physgnn.arrays import IntArray
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.attention import JumpingKnowledge
@@ -14,8 +14,6 @@ from physgnn.learning.normalization import Normalizer
 from physgnn.learning.physgnn import PhysGNN
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
-
-IntArray = NDArray[np.int64]
 
 NORMALISERS = ("training", "published")
 

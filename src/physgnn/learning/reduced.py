@@ -15,10 +15,11 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.mesh_topology import points_within
-from physgnn.learning.surrogate import Arrays, FloatArray, IntArray, Surrogate
+from physgnn.learning.surrogate import Arrays, Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.known_states import KnownState, NearestKnown

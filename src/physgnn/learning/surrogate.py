@@ -26,6 +26,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
@@ -34,8 +35,6 @@ from physgnn.mechanics.known_states import NearestKnown
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.rest_state import RestState
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Arrays = Mapping[str, NDArray[Any]]
 
 TINY_N = 1e-6  # a load under which the rest state is the nearest reference state

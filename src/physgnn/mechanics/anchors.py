@@ -1,15 +1,13 @@
 """The equilibria to expand about: a load path under the training loads' mean."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.rest_state import RestState
 from physgnn.mechanics.solution import Status
 from physgnn.mechanics.solver import Solver
-
-FloatArray = NDArray[np.float64]
 
 
 def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatArray:

@@ -9,8 +9,8 @@ followed. Without one, or if there is no equilibrium next to it, all of it is.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.descent import descend
 from physgnn.mechanics.known_states import KnownState, NearestKnown
@@ -27,8 +27,6 @@ from physgnn.mechanics.relaxation import (
 )
 from physgnn.mechanics.solution import Status
 from physgnn.mechanics.solver import SolverOptions
-
-FloatArray = NDArray[np.float64]
 
 MAX_ITERATIONS = 20  # a step from a share; what needs more is better halved
 STEPS = 30  # from rest; longer ones may miss where a path turns back

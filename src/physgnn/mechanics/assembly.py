@@ -7,6 +7,7 @@ import scipy.sparse as sp
 from numba import njit
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.averaging import Averaging, add_group_tangent, volume_gradients
 from physgnn.mechanics.element import (
     NO_PRESSURE,
@@ -17,9 +18,6 @@ from physgnn.mechanics.element import (
 )
 from physgnn.mechanics.kinematics import kinematics
 from physgnn.mechanics.materials import table
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,9 +21,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry.tetmesh import TetMesh
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import Pattern, make_pattern
@@ -24,8 +24,6 @@ from physgnn.mechanics.element import (
     make_elements,
 )
 from physgnn.mechanics.materials.table import Material
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, init=False)

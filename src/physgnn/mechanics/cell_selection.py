@@ -11,10 +11,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.element import Elements, internal_force
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 AT_ONCE = 8  # cells added before the weights are fitted anew
 

@@ -10,13 +10,11 @@ that is, the energy goes on as a parabola. It serves to judge guesses, not to so
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.element import Elements, _add_force
 from physgnn.mechanics.kinematics import kinematics
 from physgnn.mechanics.materials import table
-
-FloatArray = NDArray[np.float64]
 
 SMALLEST_J = 0.05
 BISECTIONS = 40

@@ -7,8 +7,8 @@ is found this way is a minimum, a stable equilibrium, however poor the guess.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.quasi_newton import (
     Equilibrium,
     QuasiNewton,
@@ -17,8 +17,6 @@ from physgnn.mechanics.quasi_newton import (
     norm,
 )
 from physgnn.mechanics.solution import Status
-
-FloatArray = NDArray[np.float64]
 
 MAX_STEPS = 40
 RENEW_AFTER = 10  # steps with one factor (a factor costs ~20 of them)

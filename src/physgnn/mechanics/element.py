@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.choices import Element
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh, shape_gradients
@@ -23,8 +24,6 @@ from physgnn.mechanics.averaging import (
 from physgnn.mechanics.kinematics import kinematics, volume_changes
 from physgnn.mechanics.materials import table
 from physgnn.mechanics.materials.table import MAX_CONSTANTS, Material, law_index
-
-FloatArray = NDArray[np.float64]
 
 ELEMENTS = tuple(Element)
 DEFAULT_ELEMENT = Element.TET4
@@ -54,7 +53,7 @@ class Elements:
     cells: NDArray[np.int32]
     gradients: FloatArray
     volumes: FloatArray
-    law: NDArray[np.int64]
+    law: IntArray
     constants: FloatArray
     n_points: int
     averaging: Averaging | None = None

@@ -7,9 +7,8 @@ predicted the newest state best is used for the next one.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from physgnn.arrays import FloatArray
 
 MAX_STATES = 8
 

@@ -14,13 +14,9 @@ from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.assembly import Pattern
 from physgnn.mechanics.linear_solver import FACTOR_FILE, LinearSolver, PardisoSolver
-
-FloatArray = NDArray[np.float64]
 
 FACTORS = ".factors"  # suffix of a folder of factors, beside mesh or store
 MAX_BYTES = 8 * 2**30

@@ -9,14 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.assembly import assemble_tangent, make_pattern
 from physgnn.mechanics.element import Elements, internal_force, strain_energy
 from physgnn.mechanics.small_newton import Minimum, minimise
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class GalerkinBody:

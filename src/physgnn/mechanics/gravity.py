@@ -5,12 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-
-FloatArray = NDArray[np.float64]
 
 UNIT = 1e-15  # how far rounding may take the length of a direction from 1
 STANDARD_GRAVITY = 9.80665  # m/s², CODATA; times 1e-9 it turns kg/m³ into N/mm³

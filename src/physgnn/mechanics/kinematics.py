@@ -2,11 +2,9 @@
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry.tetmesh import TetMesh, shape_gradients
-
-FloatArray = NDArray[np.float64]
 
 
 def deformation_gradient(mesh: TetMesh, displacement: FloatArray) -> FloatArray:

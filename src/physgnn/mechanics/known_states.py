@@ -3,14 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.linear_solver import LinearSolver, factorized
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

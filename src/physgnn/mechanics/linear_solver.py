@@ -17,10 +17,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.assembly import Pattern, assemble_tangent
 from physgnn.mechanics.body import Body
 
-FloatArray = NDArray[np.float64]
 Precision = Literal["single", "double"]
 
 _ANALYSE, _FACTORISE, _SOLVE, _RELEASE = 11, 22, 33, -1

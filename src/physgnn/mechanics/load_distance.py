@@ -5,13 +5,10 @@ the part of K₀⁻¹ at the loaded points is needed.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.rest_state import RestState
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 COLUMNS_AT_ONCE = 48
 

@@ -1,16 +1,13 @@
 """Load paths drawn at random: the two published sets, and cones for anything else."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_surface
 from physgnn.geometry.normals import vertex_normals
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads import LoadPath
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MATLAB_SEED = 5489  # the Mersenne Twister seed behind MATLAB's "seed 0"
 PUBLISHED_DIRECTIONS = 15

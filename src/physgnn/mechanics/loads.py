@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.gravity import Gravity
@@ -13,9 +13,6 @@ from physgnn.mechanics.prescribed import PrescribedDisplacement
 from physgnn.mechanics.pressure import SurfacePressure
 
 Load: TypeAlias = SurfacePressure | Gravity | PrescribedDisplacement
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

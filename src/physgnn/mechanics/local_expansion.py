@@ -22,15 +22,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.assembly import assemble_tangent
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import internal_force
 from physgnn.mechanics.linear_solver import LinearSolver
 from physgnn.mechanics.patch import Patch, cut_out
 from physgnn.mechanics.small_newton import minimise
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 COLUMNS_AT_ONCE = 32
 

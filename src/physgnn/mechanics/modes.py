@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from physgnn.arrays import FloatArray
 
 
 def leading_modes(fields: NDArray[np.floating], n_modes: int) -> FloatArray:

@@ -5,15 +5,13 @@ one that is spread over a patch does not.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry.mesh_topology import points_within
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.settling import settle
-
-FloatArray = NDArray[np.float64]
 
 FEW = 3  # loaded points
 LEAST_REACH = 3  # edges

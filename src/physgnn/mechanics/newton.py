@@ -6,16 +6,14 @@ and benchmarks race against it.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.assembly import assemble_tangent
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import internal_force
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.loads import LoadCase, LoadPath
-
-FloatArray = NDArray[np.float64]
 
 MAX_ITERATIONS = 30
 MAX_HALVINGS = 10
@@ -96,7 +94,7 @@ class Newton:
             return float("inf")
         return float(np.linalg.norm(exact - displacement, axis=1).max())
 
-    def _hold(self, held: NDArray[np.int64]) -> None:
+    def _hold(self, held: IntArray) -> None:
         """Leave points out of the unknowns, beside the fixed ones."""
         self._held = held
         self._pattern = self._body.pattern_holding(np.union1d(self._body.fixed, held))

@@ -3,13 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import BoolArray, FloatArray, IntArray
 from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
 from physgnn.mechanics.element import Elements, internal_force, strain_energy
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +90,7 @@ def cut_out(
     return part, np.flatnonzero(rows >= 0), dofs
 
 
-def some_cells(elements: Elements, cells: NDArray[np.bool_]) -> Elements:
+def some_cells(elements: Elements, cells: BoolArray) -> Elements:
     """Return some of the cells; points keep their numbers."""
     return replace(
         elements,

@@ -4,14 +4,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.descent import descend
 from physgnn.mechanics.extrapolation import PathHistory
 from physgnn.mechanics.quasi_newton import Equilibrium, QuasiNewton, largest_norm
 from physgnn.mechanics.solution import Status
-
-FloatArray = NDArray[np.float64]
 
 LONGEST_FALL = 150  # steps; the snap-throughs of the published sets took up to 70
 # Farther, in largest displacements so far, cells were blown out, not snapped through.

@@ -15,17 +15,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import BoolArray, FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import internal_force
 from physgnn.mechanics.linear_solver import factorized
 from physgnn.mechanics.point_responses import PointResponses
 from physgnn.mechanics.second_variation import SecondVariation
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 ROUNDING = 1e-3  # of the largest nodal force of an anchor: less is on no loaded point
 
@@ -171,9 +168,9 @@ def _internal(body: Body, u: FloatArray) -> FloatArray:
     return force
 
 
-def _loaded(loads: FloatArray) -> NDArray[np.bool_]:
+def _loaded(loads: FloatArray) -> BoolArray:
     """Return which points carry any of the loads (n_loads, n, 3), rounding aside."""
     size = np.abs(loads).max(axis=2)
     largest = size.max(axis=1, keepdims=True)
-    carries: NDArray[np.bool_] = (size > ROUNDING * largest).any(axis=0)
+    carries: BoolArray = (size > ROUNDING * largest).any(axis=0)
     return carries

@@ -8,11 +8,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.assembly import Pattern
 from physgnn.mechanics.linear_solver import LinearSolver
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MAX_BYTES = 96 * 2**20  # of columns; about what the factor takes for 9000 points
 AT_ONCE = 48  # right-hand sides of a back-solve

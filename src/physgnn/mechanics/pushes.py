@@ -1,8 +1,8 @@
 """Pushes on a patch of the surface: small and large, gentle and strong."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.load_paths import (
@@ -13,8 +13,6 @@ from physgnn.mechanics.load_paths import (
 )
 from physgnn.mechanics.loads import LoadPath
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Range = tuple[float, float]
 
 PLATEAU = 0.5  # of the radius; a real instrument presses evenly up to near its rim

@@ -11,15 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.assembly import Pattern, assemble_tangent
 from physgnn.mechanics.element import Elements, internal_force
 from physgnn.mechanics.linear_solver import LinearSolver
 from physgnn.mechanics.loading import Loading
 from physgnn.mechanics.solution import Status
-
-FloatArray = NDArray[np.float64]
 
 MAX_PAIRS = 12
 MAX_TRIALS = 12

@@ -9,16 +9,14 @@ back.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.assembly import Pattern
 from physgnn.mechanics.continued import continued_force
 from physgnn.mechanics.descent import follow
 from physgnn.mechanics.element import Elements
 from physgnn.mechanics.known_states import KnownState
 from physgnn.mechanics.quasi_newton import QuasiNewton, largest_norm
-
-FloatArray = NDArray[np.float64]
 
 MAX_STEPS = 8
 ENOUGH = 0.05  # a step so small beside the whole way ends it

@@ -1,13 +1,13 @@
 """Resection: a region taken out of the mesh."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 
 
-def remove_region(mesh: TetMesh, label: int) -> tuple[TetMesh, NDArray[np.int64]]:
+def remove_region(mesh: TetMesh, label: int) -> tuple[TetMesh, IntArray]:
     """Return the mesh without a region's cells and the points only they had.
 
     Parameters

@@ -3,15 +3,13 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.mechanics.assembly import assemble_tangent
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.factor_cache import factorize_cached
 from physgnn.mechanics.linear_solver import make_linear_solver
-
-FloatArray = NDArray[np.float64]
 
 LARGE = 30_000  # points; smaller bodies are factorised in less than two seconds
 

@@ -6,12 +6,10 @@ The right-hand side of the second-order term of a perturbation series
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.element import Elements, internal_force
 from physgnn.mechanics.materials.table import LAW_INDEX
-
-FloatArray = NDArray[np.float64]
 
 STEP = 0.002  # of the largest strain, in the difference where there's no formula
 

@@ -9,17 +9,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.assembly import Pattern, assemble_tangent, make_pattern
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import Elements, internal_force, strain_energy
 from physgnn.mechanics.linear_solver import LinearSolver, make_linear_solver
 from physgnn.mechanics.patch import cut_out, some_cells
 from physgnn.mechanics.small_newton import minimise
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MIN_STEP = 1 / 64  # of the way from rest
 SMALL_MM = 1e-6  # displacement that forces are linear in

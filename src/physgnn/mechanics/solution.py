@@ -6,6 +6,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
+
 
 class Status(IntEnum):
     """How a load level ended. The text of each is its remedy."""
@@ -61,10 +63,10 @@ class Solution:
         Factorisations, back-solves and residuals spent.
     """
 
-    displacement: NDArray[np.float64]
+    displacement: FloatArray
     status: NDArray[np.int8]
-    residual: NDArray[np.float64]
-    load_factors: NDArray[np.float64]
+    residual: FloatArray
+    load_factors: FloatArray
     reached: float
     message: str
     seconds: float

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import Pattern
@@ -19,8 +19,6 @@ from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.path_following import PathFollower
 from physgnn.mechanics.quasi_newton import QuasiNewton
 from physgnn.mechanics.solution import Solution, Status
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,7 @@ SMALL_FACTOR = 2.0**-20  # a power of two: dividing by it loses nothing
 class _Unknowns:
     """What is solved for when these points are held, and with what."""
 
-    held: NDArray[np.int64]
+    held: IntArray
     pattern: Pattern
     linear: LinearSolver
 
@@ -108,7 +106,7 @@ class Solver:
             self._options.max_iterations,
         )
 
-    def _find_unknowns(self, held: NDArray[np.int64]) -> _Unknowns:
+    def _find_unknowns(self, held: IntArray) -> _Unknowns:
         body = self._body
         pattern = (
             body.pattern_holding(np.union1d(body.fixed, held))
@@ -168,7 +166,7 @@ def solve(
     path: LoadPath,
     *,
     materials: Mapping[int, Material],
-    fixed: str | NDArray[np.int64] = "fixed",
+    fixed: str | IntArray = "fixed",
     element: str = DEFAULT_ELEMENT,
     options: SolverOptions = DEFAULT_OPTIONS,
 ) -> Solution:

@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
 from physgnn.io.atomic import write_whole
@@ -17,9 +17,6 @@ from physgnn.prediction.indicators import Indicator
 from physgnn.prediction.prediction import ErrorEstimate
 from physgnn.prediction.trained_range import TrainedRange
 from physgnn.progress import Progress
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 COVERAGES = (0.9, 0.95)
 RELAXATION = "relaxation"  # the indicator of `physgnn.mechanics.relaxation`

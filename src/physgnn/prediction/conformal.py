@@ -1,10 +1,8 @@
 """Split-conformal calibration: from past errors to a bound that keeps its promise."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from physgnn.arrays import FloatArray, IntArray
 
 
 def conformal_quantile(

@@ -10,11 +10,9 @@ by vanish, and with them the uncertainty far from the points.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from physgnn.arrays import FloatArray, IntArray
 
 # Of the logarithm of a family's standard deviation: a factor of two, either way.
 HYPER_DEVIATION = float(np.log(2.0))

@@ -8,9 +8,7 @@ in INDICATORS.
 
 from collections.abc import Callable, Mapping
 
-import numpy as np
-from numpy.typing import NDArray
-
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.continued import continued_force
@@ -18,7 +16,6 @@ from physgnn.mechanics.element import DEFAULT_ELEMENT
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.rest_state import RestState
 
-FloatArray = NDArray[np.float64]
 Indicator = Callable[[LoadCase, FloatArray], FloatArray]
 
 

@@ -21,13 +21,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.surface_points import farthest_points
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.prediction.skull import point_areas
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Solve = Callable[[FloatArray], FloatArray]  # K₀⁻¹ f, (k, n_points, 3) both
 
 PATCH_SPACING_MM, CLOUD_SPACING_MM = 25.0, 35.0

@@ -11,9 +11,9 @@ from typing import Protocol
 
 import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
 from physgnn.geometry.normals import vertex_normals
@@ -21,9 +21,6 @@ from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.surface import FaceArray, Surface
 from physgnn.geometry.surface_points import SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # Farther from the brain's surface than this, a point is in other coordinates; a
 # measured surface is as far away as the shift is large.

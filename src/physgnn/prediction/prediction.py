@@ -4,13 +4,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from physgnn.arrays import FloatArray
 from physgnn.choices import Estimate
 from physgnn.mechanics.loads import LoadCase
-
-FloatArray = NDArray[np.float64]
 
 
 class PredictionStatus(IntEnum):

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from physgnn.arrays import FloatArray
 from physgnn.choices import Estimate
 from physgnn.errors import InputError
 from physgnn.learning.checkpoint import Checkpoint
@@ -19,7 +20,6 @@ from physgnn.prediction.calibration import Calibration
 from physgnn.prediction.indicators import INDICATORS
 from physgnn.prediction.prediction import (
     ErrorEstimate,
-    FloatArray,
     LikelyError,
     Prediction,
     PredictionStatus,

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.point_pairs import PointPairs
 from physgnn.geometry.surface_points import SurfacePoints
@@ -39,7 +40,6 @@ from physgnn.prediction.prediction import ErrorEstimate, Prediction, PredictionS
 from physgnn.prediction.skull import SUPPORTS
 from physgnn.prediction.tangent_response import TangentResponse
 
-FloatArray = NDArray[np.float64]
 Fields = NDArray[np.float32]
 
 MAX_STEPS = 20

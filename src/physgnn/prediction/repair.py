@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from physgnn.arrays import FloatArray
 from physgnn.learning.graph import graph_of
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.body import Body
@@ -16,12 +17,7 @@ from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.near_loads import FEW
 from physgnn.mechanics.relaxation import Relaxation
 from physgnn.mechanics.solution import Status
-from physgnn.prediction.prediction import (
-    ErrorEstimate,
-    FloatArray,
-    LikelyError,
-    PredictionStatus,
-)
+from physgnn.prediction.prediction import ErrorEstimate, LikelyError, PredictionStatus
 
 WRONG_BY = 2.0  # the physical estimate may be too small by such a factor
 UNSURE_BY = 4.0  # it is made so much larger beyond UNSURE_FROM

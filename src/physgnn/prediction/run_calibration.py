@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from physgnn.arrays import FloatArray
 from physgnn.dataset.split import Split
 from physgnn.dataset.store import Store
 from physgnn.dataset.training_loads import sample_forces
@@ -20,7 +21,6 @@ from physgnn.prediction.calibration import (
     COVERAGES,
     RELAXATION,
     Calibration,
-    FloatArray,
     calibrate,
     error_scores,
     from_scores,

@@ -13,8 +13,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.choices import Skull
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces, boundary_surface
@@ -22,9 +22,6 @@ from physgnn.geometry.normals import area_vectors, vertex_normals
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.assembly import Pattern
 from physgnn.mechanics.body import Body
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 ACROSS_MM, ALONG_MM = 0.01, 30.0
 

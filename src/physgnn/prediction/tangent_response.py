@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.assembly import assemble_tangent
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.element import internal_force
 from physgnn.mechanics.linear_solver import make_linear_solver
 from physgnn.prediction.skull import Support
 
-FloatArray = NDArray[np.float64]
 Fields = NDArray[np.float32]
 
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from physgnn.mechanics.loads import FloatArray, LoadCase
+from physgnn.arrays import FloatArray
+from physgnn.mechanics.loads import LoadCase
 
 SLACK = 0.01  # relative; the highest training level itself must count as inside
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.regions import TUMOUR, region_name
 from physgnn.mechanics.loads import LoadCase
 from physgnn.serving.engine import Engine
@@ -13,8 +14,6 @@ from physgnn.serving.frames import encode
 from physgnn.serving.messages import MAX_RADIUS_MM, Push
 from physgnn.serving.patch import Exposed, push
 from physgnn.serving.section import AXES, Section
-
-FloatArray = NDArray[np.float64]
 
 
 def load_case(engine: Engine, message: Push) -> LoadCase:
@@ -119,7 +118,7 @@ def _tumour_shift(engine: Engine, displacement: FloatArray) -> float | None:
     return float(np.linalg.norm(displacement[nodes].mean(axis=0)))
 
 
-def _tumour_nodes(engine: Engine) -> NDArray[np.int64] | None:
+def _tumour_nodes(engine: Engine) -> IntArray | None:
     faces = engine.shown.faces.get(region_name(TUMOUR))
     return None if faces is None else engine.shown.nodes[np.unique(faces)]
 

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry.tetmesh import TetMesh, signed_volumes
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Prediction
 from physgnn.serving.viewed import FINITE_ELEMENTS, Viewed
-
-FloatArray = NDArray[np.float64]
 
 TISSUE = "#d4cac0"  # where a map starts, so that what does not move stays calm
 

@@ -4,12 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry import TetMesh
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

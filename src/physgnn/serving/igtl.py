@@ -13,14 +13,12 @@ from socket import socket
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.prediction.prediction import Prediction
 from physgnn.serving.engine import Engine
 from physgnn.serving.grid import SampleGrid, grid_over
-
-FloatArray = NDArray[np.float64]
 
 GRID_MM = 4.0  # about the edge length of the meshes: a finer grid shows no more
 PAUSE_SECONDS = 0.04  # between frames of one client
@@ -141,7 +139,7 @@ def _pack(
     return b"".join(message.pack() for message in messages)
 
 
-def _polygons(faces: NDArray[np.int64]) -> NDArray[np.int64]:
+def _polygons(faces: IntArray) -> IntArray:
     """Return triangles as VTK lists them: each after the number of its corners."""
     return np.insert(faces, 0, 3, axis=1).ravel()
 

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.serving.section import AXES
 
-FloatArray = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 
 BUNDLED = "mni152"

@@ -3,16 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry import boundary_points, boundary_surface, vertex_normals
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.pushes import patch_shares
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 REACH_MM = 10.0  # a touch farther from every exposed node than this is none
 

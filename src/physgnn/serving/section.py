@@ -4,12 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry import TetMesh
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 AXES: Mapping[str, int] = {"sagittal": 0, "coronal": 1, "axial": 2}
 """The world axis (RAS) that stands on each anatomical plane."""

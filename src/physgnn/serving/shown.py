@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import IntArray
 from physgnn.geometry import TetMesh, boundary_faces
 from physgnn.geometry.regions import BRAIN, region_name
 
@@ -23,8 +23,8 @@ class Shown:
         outer surface of the whole body.
     """
 
-    nodes: NDArray[np.int64]
-    faces: Mapping[str, NDArray[np.int64]]
+    nodes: IntArray
+    faces: Mapping[str, IntArray]
 
     @classmethod
     def of(cls, mesh: TetMesh) -> "Shown":

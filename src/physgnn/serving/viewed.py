@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from physgnn.arrays import IntArray
 from physgnn.bundled import BUNDLED_RUN
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.errors import InputError
@@ -114,9 +114,7 @@ def view_mesh(mesh: TetMesh, title: str, *, factors: Path | None = None) -> View
     return Viewed(title, body, {"linear": linear}, exposed)
 
 
-def _exposed_nodes(
-    mesh: TetMesh, trained: tuple[int, ...] | None
-) -> NDArray[np.int64] | None:
+def _exposed_nodes(mesh: TetMesh, trained: tuple[int, ...] | None) -> IntArray | None:
     if trained is not None:
         return np.array(trained, dtype=np.int64)
     return mesh.point_sets.get("loaded")

@@ -2,8 +2,9 @@
 
 from functools import cached_property
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
-from physgnn.learning.surrogate import FloatArray, IntArray, Surrogate
+from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase

@@ -5,9 +5,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.errors import InputError
-from physgnn.learning.surrogate import Arrays, FloatArray, IntArray, Surrogate
+from physgnn.learning.surrogate import Arrays, Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 

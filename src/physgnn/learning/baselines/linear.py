@@ -1,6 +1,7 @@
 """Linear elasticity, u = K₀⁻¹ f: the baseline no network may lose to."""
 
-from physgnn.learning.surrogate import FloatArray, Surrogate
+from physgnn.arrays import FloatArray
+from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.loads import LoadCase
 
 

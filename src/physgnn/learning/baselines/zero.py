@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from physgnn.learning.surrogate import FloatArray, Surrogate
+from physgnn.arrays import FloatArray
+from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.loads import LoadCase
 
 

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.dataset.training_loads import sample_forces
-from physgnn.learning.surrogate import FloatArray, IntArray
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.modes import leading_modes
 

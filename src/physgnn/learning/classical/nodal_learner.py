@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.learning.classical.load_features import LoadFeatures, Rows
 from physgnn.learning.classical.row_learner import RowLearner
-from physgnn.learning.surrogate import FloatArray, IntArray
 from physgnn.mechanics.loads import LoadCase
 
 N_ROWS = 500_000  # (sample, node) pairs to learn from, to bound memory

@@ -4,11 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.store import Store
 from physgnn.learning.classical.estimator import Estimator
 from physgnn.learning.classical.load_features import LoadFeatures, Rows
 from physgnn.learning.classical.row_learner import RowLearner
-from physgnn.learning.surrogate import Arrays, FloatArray, IntArray
+from physgnn.learning.surrogate import Arrays
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads import LoadCase
 from physgnn.mechanics.modes import leading_modes

@@ -7,6 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 from sklearn.ensemble import ExtraTreesRegressor
 
+from physgnn.arrays import FloatArray
 from physgnn.learning.classical.estimator import Rows
 from physgnn.learning.surrogate import Arrays
 
@@ -44,10 +45,10 @@ class RandomTrees:
         self._arrays = _as_arrays([each.tree_ for each in forest.estimators_])
         return self
 
-    def predict(self, inputs: Rows) -> NDArray[np.float64]:
+    def predict(self, inputs: Rows) -> FloatArray:
         """Return (n, n_targets)."""
         tree = self._arrays
-        found: NDArray[np.float64] = _mean_of_leaves(
+        found: FloatArray = _mean_of_leaves(
             np.ascontiguousarray(inputs, dtype=np.float32),
             tree["root"], tree["child"], tree["feature"], tree["threshold"],
             tree["value"],
@@ -94,7 +95,7 @@ def _as_arrays(trees: list[Any]) -> dict[str, NDArray[Any]]:
     }
 
 
-def _at_most(threshold: NDArray[np.float64]) -> NDArray[np.float32]:
+def _at_most(threshold: FloatArray) -> NDArray[np.float32]:
     """Return the largest float32 that is no larger: float32 rows fall the same way."""
     rounded = threshold.astype(np.float32)
     below = np.nextafter(rounded, np.float32(-np.inf))

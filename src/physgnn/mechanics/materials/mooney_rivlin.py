@@ -5,8 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 
 
@@ -61,7 +61,7 @@ class MooneyRivlin:
         return 1e-6 * self.bulk_modulus_pa - 2 * self.mu / 3
 
     @property
-    def constants(self) -> NDArray[np.float64]:
+    def constants(self) -> FloatArray:
         """(k, c₁, c₂) in MPa, as the kernels take them."""
         return 1e-6 * np.array([self.bulk_modulus_pa, self.c1_pa, self.c2_pa])
 

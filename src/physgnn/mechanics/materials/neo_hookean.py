@@ -5,8 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 
 
@@ -57,7 +57,7 @@ class NeoHookean:
         return 1e-6 * self.youngs_modulus_pa * nu / ((1 + nu) * (1 - 2 * nu))
 
     @property
-    def constants(self) -> NDArray[np.float64]:
+    def constants(self) -> FloatArray:
         """(λ, μ) in MPa, as the kernels take them."""
         return np.array([self.lam, self.mu])
 

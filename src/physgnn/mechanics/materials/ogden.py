@@ -5,8 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.mechanics.materials.eigen import symmetric_eigen
 
@@ -75,7 +75,7 @@ class Ogden:
         return 1e-6 * self.bulk_modulus_pa - 2 * self.mu / 3
 
     @property
-    def constants(self) -> NDArray[np.float64]:
+    def constants(self) -> FloatArray:
         """(k, c₁, m₁, c₂, m₂, …), k and c in MPa, as the kernels take them."""
         pairs = zip(self.coefficients_pa, self.exponents, strict=True)
         terms = [value for c, m in pairs for value in (1e-6 * c, m)]

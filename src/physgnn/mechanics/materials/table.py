@@ -12,10 +12,9 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Protocol
 
-import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.mechanics.materials import mooney_rivlin, neo_hookean, ogden
 from physgnn.mechanics.materials.mooney_rivlin import MooneyRivlin
@@ -39,7 +38,7 @@ class Material(Protocol):
         """Lamé's first parameter of the rest state, MPa."""
 
     @property
-    def constants(self) -> NDArray[np.float64]:
+    def constants(self) -> FloatArray:
         """Its constants in MPa, as the kernels take them."""
 
 
