@@ -1,4 +1,4 @@
-"""A method from outside the package, as docs/howto/add_method.md has it, by the command line."""
+"""A method from outside the package, by the command line (docs/howto/add_method.md)."""
 
 import os
 import re

@@ -7,6 +7,7 @@ from torch import Tensor, nn
 from physgnn.errors import InputError
 from physgnn.learning.attention import JumpingKnowledge
 from physgnn.learning.convolution import Convolution
+from physgnn.learning.cpu import only_side_by_side
 from physgnn.learning.dropout import SampleDropout
 from physgnn.learning.graph import Graph
 from physgnn.learning.pruning import Pruning, Rest, filled
@@ -99,11 +100,12 @@ class PhysGNN(nn.Module):
             single: Tensor = self(x[None], graph)[0]
             return single
         graph.check_rows(x)
-        last = self.pruning.last_output(self, x, graph)
-        if last is None:
-            last = self.outputs(x, [graph] * N_LAYERS)[-1]
-        _, _, dropout, linear = self.head
-        displacement: Tensor = linear(dropout(last.flatten(0, 1)))
+        with only_side_by_side():
+            last = self.pruning.last_output(self, x, graph)
+            if last is None:
+                last = self.outputs(x, [graph] * N_LAYERS)[-1]
+            _, _, dropout, linear = self.head
+            displacement: Tensor = linear(dropout(last.flatten(0, 1)))
         return displacement.view(*x.shape[:2], 3)
 
     def outputs(

@@ -18,6 +18,7 @@ from physgnn.learning.batches import Samples, Share
 from physgnn.learning.budget import Budget
 from physgnn.learning.callbacks import KeepBest, MetricsFile, Report
 from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.cpu import only_side_by_side
 from physgnn.learning.graph import graph_of
 from physgnn.learning.lightning_module import TrainingModule
 from physgnn.learning.losses import LOSSES
@@ -133,6 +134,7 @@ def train(
         trainer = make_trainer(run, config, callbacks, machine)
         share = Share(trainer.global_rank, trainer.world_size)
         at_once = _at_once(samples, config)
+        stack.enter_context(only_side_by_side())
         trainer.fit(
             TrainingModule(models, config, at_once),
             training_batches(samples, config.batch_size, config.seed, share),

@@ -2,12 +2,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from physgnn.learning.cpu.threads import (
-    n_threads,
-    only_side_by_side,
-    shares,
-    side_by_side,
-)
+from physgnn.learning.cpu.threads import n_threads, only_side_by_side, side_by_side
 
 
 def square(part: Tensor) -> Tensor:
@@ -37,11 +32,7 @@ def test_within_the_context_only_parts_are_divided() -> None:
     try:
         with only_side_by_side(), only_side_by_side():
             assert (torch.get_num_threads(), n_threads()) == (1, 3)
-            assert side_by_side(lambda rows: rows.stop - rows.start, shares(8)) == [
-                2,
-                3,
-                3,
-            ]
+            assert side_by_side(lambda part: -part, [1, 2, 3]) == [-1, -2, -3]
         assert (torch.get_num_threads(), n_threads()) == (3, 3)
     finally:
         torch.set_num_threads(before)
@@ -53,10 +44,3 @@ def test_what_goes_wrong_in_a_part_is_told() -> None:
 
     with pytest.raises(ZeroDivisionError):
         side_by_side(work, [1, 0])
-
-
-def test_shares_are_as_equal_as_can_be_and_one_where_threads_are_not_ours() -> None:
-    with only_side_by_side():
-        covered = [i for share in shares(5) for i in range(5)[share]]
-        assert covered == list(range(5))
-        assert shares(5, torch.device("meta")) == [slice(0, 5)]

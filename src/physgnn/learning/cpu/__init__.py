@@ -7,3 +7,4 @@ on other devices.
 
 from physgnn.learning.cpu.layer_scores import LayerScores as LayerScores
 from physgnn.learning.cpu.layer_scores import compiled_for as compiled_for
+from physgnn.learning.cpu.threads import only_side_by_side as only_side_by_side

@@ -5,7 +5,6 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
-from itertools import pairwise
 from threading import Barrier
 from typing import TypeVar
 
@@ -13,8 +12,6 @@ import torch
 
 T = TypeVar("T")
 R = TypeVar("R")
-
-ON_CPU = torch.device("cpu")
 
 _allowed: ContextVar[int | None] = ContextVar("_allowed", default=None)
 
@@ -29,7 +26,7 @@ def only_side_by_side() -> Iterator[None]:
     """Let nothing else divide its work: operations outside `side_by_side` are serial.
 
     Threads that torch divides an operation over wait for the next by spinning, which
-    takes the processor from ours: a third of PhysGNN's time on two processors.
+    takes the processor from those that read the LSTMs.
     """
     threads = n_threads()
     token = _allowed.set(threads)
@@ -40,12 +37,6 @@ def only_side_by_side() -> Iterator[None]:
     finally:
         torch.set_num_threads(before)
         _allowed.reset(token)
-
-
-def shares(n: int, device: torch.device = ON_CPU) -> list[slice]:
-    """Return an equal share of so many things for every thread that a device needs."""
-    parts = max(1, min(n_threads(), n)) if device.type == "cpu" else 1
-    return [slice(*pair) for pair in pairwise(n * k // parts for k in range(parts + 1))]
 
 
 def side_by_side(work: Callable[[T], R], parts: Sequence[T]) -> list[R]:
