@@ -76,6 +76,8 @@ class Device(StrEnum):
 
     CPU = "cpu"
     CUDA = "cuda"
+    GPU = "gpu"
+    MPS = "mps"
     AUTO = "auto"
 
 

@@ -133,9 +133,9 @@ def test_stale_loads_are_dropped_and_the_newest_is_answered(
 ) -> None:
     linear = viewed.answers["linear"]
 
-    def slow(case):
+    def slow(case, **how):
         time.sleep(0.05)
-        return linear(case)
+        return linear(case, **how)
 
     monkeypatch.setitem(viewed.answers, "linear", slow)
     with serving(Engine(viewed)) as address, connect(address.live) as socket:

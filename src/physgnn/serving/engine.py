@@ -9,6 +9,7 @@ from typing import TypeVar
 
 import torch
 
+from physgnn.choices import Estimate
 from physgnn.mechanics.loads import LoadCase
 from physgnn.prediction.prediction import Prediction
 from physgnn.serving.image import GreyVolume
@@ -72,7 +73,7 @@ class Engine:
             case = LoadCase(exposed.nodes, force * exposed.normals)
             for predict in self.viewed.answers.values():
                 await self._idle()
-                await self._in_thread(partial(predict, case))
+                await self._in_thread(partial(predict, case, estimate=Estimate.QUICK))
         self._refiner.start()
 
     async def _idle(self) -> None:
