@@ -75,3 +75,13 @@ def test_a_point_without_neighbours_gets_zero(aggregation: str) -> None:
     x = torch.tensor([[[-1.0], [-3.0], [5.0]]])
     y = aggregate(graph, x, weighted=True, aggregation=aggregation)
     assert y.tolist() == [[[-6.0], [-2.0], [0.0]]]
+
+
+def test_what_predicting_asked_for_first_serves_training(block: TetMesh) -> None:
+    graph, x = Graph.from_mesh(block), torch.ones(1, block.n_points, 2)
+    for weighted in (True, False):
+        with torch.inference_mode():
+            aggregate(graph, x, weighted=weighted, aggregation="add")
+        trained = x.clone().requires_grad_()
+        aggregate(graph, trained, weighted=weighted, aggregation="add").sum().backward()
+        assert trained.grad is not None
