@@ -57,9 +57,7 @@ for panel in range(3):
         plotter.add_mesh(
             arrows.glyph(orient="shift", scale="shift", factor=2.0), color="#e4572e"
         )
-        plotter.add_text(
-            "measured: 40 points (arrows twice as long)", font_size=8, color="black"
-        )
+        plotter.add_text("measured: 40 points", font_size=12, color="black")
         centre, view = CRANIOTOMY * 0.2, CRANIOTOMY / np.linalg.norm(CRANIOTOMY)
         plotter.camera_position = [centre + 400 * view, centre, (0, 0, 1)]
         continue
@@ -68,9 +66,9 @@ for panel in range(3):
     ]
     cut = moved.clip(normal=(0, 1, 0), origin=CRANIOTOMY)
     plotter.add_mesh(cut, scalars=name, cmap=("YlOrRd", "PuBu")[panel - 1],
-                     scalar_bar_args={"title": title, "color": "black", "fmt": "%.1f", "n_labels": 3})  # fmt: skip
+                     scalar_bar_args={"title": title, "color": "black", "fmt": "%.1f", "n_labels": 3, "title_font_size": 20, "label_font_size": 18})  # fmt: skip
     plotter.add_text(
-        ("found in the whole brain", "how sure")[panel - 1], font_size=8, color="black"
+        ("found in the whole brain", "how sure")[panel - 1], font_size=12, color="black"
     )
     centre = np.array(moved.center)
     plotter.camera_position = [centre + 400 * direction, centre, (0, 0, 1)]
