@@ -6,7 +6,7 @@ pattern of the tangent, is made once a body and shared by all who solve on it.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -86,9 +86,8 @@ class Body:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy, or another process, makes its own elements and pattern.
-        return _restored, (
-            self.mesh, self.materials, self.fixed, self.element, self.factors,
-        )  # fmt: skip
+        make = partial(Body, element=self.element, factors=self.factors)
+        return make, (self.mesh, self.materials, self.fixed)
 
     @cached_property
     def elements(self) -> Elements:
@@ -104,16 +103,6 @@ class Body:
         """Return the tangent's pattern with these points held, not the fixed ones."""
         averaging = self.elements.averaging
         return make_pattern(self.mesh.cells, self.mesh.n_points, held, averaging)
-
-
-def _restored(
-    mesh: TetMesh,
-    materials: Mapping[int, Material],
-    fixed: IntArray,
-    element: str,
-    factors: Path | None,
-) -> Body:
-    return Body(mesh, materials, fixed, element=element, factors=factors)
 
 
 def _indices(mesh: TetMesh, fixed: str | IntArray) -> IntArray:
