@@ -14,11 +14,11 @@ from physgnn.mechanics import (
     SolverOptions,
 )
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import (
+from physgnn.mechanics.elements.cell_kinematics import deformation_gradient
+from physgnn.mechanics.elements.tet4 import (
     ELEMENTS,
     internal_force,
 )
-from physgnn.mechanics.kinematics import deformation_gradient
 
 SIDE = 10.0  # mm
 # A rule of degree 2 on the tetrahedron (Keast 1986): four points of equal weight.

@@ -15,13 +15,13 @@ import numpy as np
 
 from held_out import Log, lengths, spread
 from physgnn.dataset import Store, named_split
-from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.lifted import LiftedModel, body_axes
-from physgnn.learning.run_folder import RunFolder
+from physgnn.learning.lifted.model import LiftedModel, body_axes
+from physgnn.learning.runs.checkpoint import Checkpoint
+from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.surrogate import FromFunction
-from physgnn.mechanics.kinematics import deformation_gradient
-from physgnn.prediction.calibration import FLOOR_MM, Calibration
-from physgnn.prediction.indicators import INDICATORS
+from physgnn.mechanics.elements.cell_kinematics import deformation_gradient
+from physgnn.prediction.error_bounds.calibration import FLOOR_MM, Calibration
+from physgnn.prediction.error_bounds.indicators import INDICATORS
 from physgnn.prediction.predictor import Predictor
 from tables import machine, table
 

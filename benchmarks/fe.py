@@ -23,13 +23,13 @@ import numpy as np
 from physgnn.dataset import Store, generate, verify
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.febio_run import COMMAND, FebioSolver
+from physgnn.io.febio.run import COMMAND, FebioSolver
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.load_paths import all_node_paths, equal_levels
-from physgnn.mechanics.loads import LoadPath
-from physgnn.mechanics.newton import Newton
-from physgnn.mechanics.solution import Status
-from physgnn.mechanics.solver import Solver
+from physgnn.mechanics.equilibrium.full_newton import Newton
+from physgnn.mechanics.equilibrium.solution import Status
+from physgnn.mechanics.equilibrium.solver import Solver
+from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.mechanics.loads.sampling import all_node_paths, equal_levels
 from tables import load_kernels, machine, table
 
 

@@ -27,11 +27,11 @@ from physgnn.mechanics import (
     faces_within,
     remove_region,
 )
-from physgnn.mechanics.assembly import assemble_tangent
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import ELEMENTS, internal_force
-from physgnn.mechanics.linear_solver import make_linear_solver
-from physgnn.mechanics.load_paths import equal_levels
+from physgnn.mechanics.elements.tangent import assemble_tangent
+from physgnn.mechanics.elements.tet4 import ELEMENTS, internal_force
+from physgnn.mechanics.linear.direct_solver import make_linear_solver
+from physgnn.mechanics.loads.sampling import equal_levels
 from tables import load_kernels, machine, table
 
 LAWS = (

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from physgnn.dataset.cluster import ONE_THREAD
+from physgnn.dataset.generation.cluster import ONE_THREAD
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR, PRESETS
 from physgnn.geometry import mni152_phantom
 from physgnn.geometry.boundary import boundary_points
@@ -28,11 +28,11 @@ from physgnn.geometry.point_sets import select
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.load_paths import equal_levels, inward_normals
-from physgnn.mechanics.loads import LoadPath
-from physgnn.mechanics.rest_state import RestState
-from physgnn.mechanics.solution import Status
-from physgnn.mechanics.solver import Solver
+from physgnn.mechanics.equilibrium.solution import Status
+from physgnn.mechanics.equilibrium.solver import Solver
+from physgnn.mechanics.linear.linear_elasticity import RestState
+from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.mechanics.loads.sampling import equal_levels, inward_normals
 from physgnn.stages import mesh_surfaces
 from tables import load_kernels, machine, table
 

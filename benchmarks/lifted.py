@@ -20,9 +20,9 @@ import torch
 
 from physgnn.choices import Estimate
 from physgnn.dataset import Store
-from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.lifted import LiftedModel
-from physgnn.mechanics.loads import LoadCase
+from physgnn.learning.lifted.model import LiftedModel
+from physgnn.learning.runs.checkpoint import Checkpoint
+from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction import FiniteElementPredictor, Predictor
 from tables import load_kernels, machine, table
 

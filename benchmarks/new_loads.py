@@ -24,12 +24,12 @@ import numpy as np
 from held_out import Log, lengths
 from physgnn.dataset import Store, named_split
 from physgnn.geometry.boundary import boundary_surface
-from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics import LoadCase, LoadPath, Solver, Status
-from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.load_paths import (
+from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.loads.sampling import (
     cone_paths,
     equal_levels,
     inward_normals,
@@ -37,7 +37,7 @@ from physgnn.mechanics.load_paths import (
 )
 from physgnn.prediction.prediction import Prediction, PredictionStatus
 from physgnn.prediction.predictor import Predictor
-from physgnn.prediction.repair import SAFETY, depth
+from physgnn.prediction.repair_policy import SAFETY, depth
 from tables import machine, table
 
 FINE, COARSE = 120, 30

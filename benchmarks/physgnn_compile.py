@@ -18,11 +18,11 @@ import torch
 from torch import Tensor, nn
 
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning import convolution
 from physgnn.learning.cpu import LayerScores
 from physgnn.learning.graph import Graph
-from physgnn.learning.losses import mean_euclidean
-from physgnn.learning.published import load_published
+from physgnn.learning.physgnn import convolution
+from physgnn.learning.physgnn.published import load_published
+from physgnn.learning.training.losses import mean_euclidean
 from physgnn_speed import batch_of, medians, second_call
 
 BATCH = 8

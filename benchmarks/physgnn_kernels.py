@@ -20,8 +20,8 @@ import torch
 from torch import Tensor
 
 import physgnn_speed
-from physgnn.learning import attention
 from physgnn.learning.cpu import only_side_by_side
+from physgnn.learning.physgnn import jumping_knowledge as attention
 from physgnn_speed import CASES, Ours, add_arguments, ask, gradients_apart, medians
 
 PRECISIONS = ("float32", "bfloat16")

@@ -17,8 +17,8 @@ import torch
 
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
-from physgnn.learning.onnx_export import write_onnx
-from physgnn.learning.published import load_published
+from physgnn.learning.physgnn.published import load_published
+from physgnn.learning.runs.onnx import write_onnx
 from physgnn_speed import CASES, medians, second_call
 
 

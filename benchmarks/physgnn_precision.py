@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from physgnn.dataset import Store, named_split
-from physgnn.learning.precision import PRECISIONS
+from physgnn.learning.physgnn.precision import PRECISIONS
 from physgnn.prediction.predictor import Predictor
 from tables import table
 

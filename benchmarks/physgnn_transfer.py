@@ -15,11 +15,11 @@ import numpy as np
 import torch
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.learning.graph import graph_of
-from physgnn.learning.physgnn import N_LAYERS
-from physgnn.learning.physgnn_model import PhysGNNModel
-from physgnn.learning.published import load_published
+from physgnn.learning.physgnn.model import PhysGNNModel
+from physgnn.learning.physgnn.network import N_LAYERS
+from physgnn.learning.physgnn.published import load_published
 from physgnn_speed import CASES
 from tables import table
 

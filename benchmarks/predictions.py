@@ -19,7 +19,7 @@ import numpy as np
 from physgnn.choices import Estimate
 from physgnn.dataset import Store
 from physgnn.evaluation import HeldOut, Row, baseline_rows
-from physgnn.evaluation.rows import certified, run_rows
+from physgnn.evaluation.measure.rows import certified, run_rows
 from physgnn.mechanics import LoadCase
 
 

@@ -23,8 +23,8 @@ from physgnn.geometry.point_sets import Sphere
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import Gravity, LoadPath, Solver, SolverOptions
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import ELEMENTS
-from physgnn.mechanics.load_paths import equal_levels, inward_normals
+from physgnn.mechanics.elements.tet4 import ELEMENTS
+from physgnn.mechanics.loads.sampling import equal_levels, inward_normals
 
 UP = (0.55, 0.35, 0.75)  # of the craniotomy
 PATCH_MM, PRESSURE_PA, FORCE_N, LEVELS = 25.0, 300.0, 0.4, 2

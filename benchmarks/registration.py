@@ -27,12 +27,12 @@ from scipy.spatial.transform import Rotation
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry import TetMesh, boundary_surface, mni152_phantom, tetrahedralize
-from physgnn.geometry.point_pairs import PointPairs
-from physgnn.geometry.surface_points import SurfacePoints
+from physgnn.geometry.measured_pairs import PointPairs
+from physgnn.geometry.measured_surface import SurfacePoints
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
-from physgnn.prediction.measurement import N_SURFACE_POINTS
-from physgnn.prediction.registration import Registrar, Registration
+from physgnn.registration.measurement import N_SURFACE_POINTS
+from physgnn.registration.registrar import Registrar, Registration
 from shifts import EXPOSED_MM, Truth, held
 
 NEAR_MM, N_SKULL, ICP_STEPS = 50.0, 60, 30

@@ -16,9 +16,9 @@ import torch
 from held_out import Log, Sample, lengths, spread
 from physgnn.dataset import Store, named_split
 from physgnn.learning.baselines.linear import Linear
-from physgnn.learning.checkpoint import Checkpoint
+from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.surrogate import FromFunction, Surrogate
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.prediction import Predict, Prediction
 from physgnn.prediction.predictor import Predictor

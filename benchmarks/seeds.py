@@ -13,11 +13,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from physgnn.dataset import SPLITS, Split, Store
-from physgnn.learning.run_folder import RunFolder
-from physgnn.learning.run_record import processor_minutes
-from physgnn.learning.training import train
-from physgnn.learning.training_config import TrainingConfig
-from physgnn.prediction.run_calibration import calibrate_run
+from physgnn.learning.runs.folder import RunFolder
+from physgnn.learning.runs.record import processor_minutes
+from physgnn.learning.training.config import TrainingConfig
+from physgnn.learning.training.train import train
+from physgnn.prediction.error_bounds.run_calibration import calibrate_run
 
 THINNED = 8  # every eighth validation sample: validating costs more than this budget
 SETTINGS = {

@@ -24,12 +24,12 @@ from physgnn.geometry import (
     select,
     tetrahedralize,
 )
-from physgnn.geometry.point_pairs import PointPairs
-from physgnn.geometry.surface_points import SurfacePoints
+from physgnn.geometry.measured_pairs import PointPairs
+from physgnn.geometry.measured_surface import SurfacePoints
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
-from physgnn.prediction.skull import ALONG_MM, Support, fixed_support, sliding_support
-from physgnn.prediction.tangent_response import TangentResponse
+from physgnn.registration.skull import ALONG_MM, Support, fixed_support, sliding_support
+from physgnn.registration.tangent_response import TangentResponse
 
 EXPOSED_MM = 30.0
 N_PAIRS, N_SURFACE = 50, 2000

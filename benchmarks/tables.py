@@ -11,10 +11,10 @@ import numpy as np
 
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.load_paths import equal_levels
-from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.equilibrium.solver import Solver
+from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.mechanics.loads.sampling import equal_levels
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.solver import Solver
 
 
 def machine() -> str:

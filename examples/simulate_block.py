@@ -7,7 +7,7 @@ import numpy as np
 
 import physgnn as pg
 from physgnn.dataset import generate, split_path
-from physgnn.mechanics.load_paths import cone_paths
+from physgnn.mechanics.loads.sampling import cone_paths
 
 
 def block(n: int = 4, side: float = 40.0) -> pg.TetMesh:

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physgnn.io.febio_model import FebioModel, read_febio
+from physgnn.io.febio.model_reader import FebioModel, read_febio
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.solution import Solution, Status
-from physgnn.mechanics.solver import Solver
+from physgnn.mechanics.equilibrium.solution import Solution, Status
+from physgnn.mechanics.equilibrium.solver import Solver
 
 
 def put_on_path(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,14 +4,14 @@ import pytest
 
 from physgnn import choices
 from physgnn.dataset import PRESETS, SOLVERS, SPLITS
-from physgnn.dataset.split import MESH
-from physgnn.imaging.warp import INTERPOLATIONS
-from physgnn.learning.budget import CLOCKS
-from physgnn.learning.losses import LOSSES
-from physgnn.learning.precision import PRECISIONS
-from physgnn.learning.schedules import SCHEDULES
-from physgnn.mechanics.element import ELEMENTS
-from physgnn.prediction.skull import SUPPORTS
+from physgnn.dataset.splits.samples import MESH
+from physgnn.imaging.image_warping import INTERPOLATIONS
+from physgnn.learning.physgnn.precision import PRECISIONS
+from physgnn.learning.training.budget import CLOCKS
+from physgnn.learning.training.losses import LOSSES
+from physgnn.learning.training.schedules import SCHEDULES
+from physgnn.mechanics.elements.tet4 import ELEMENTS
+from physgnn.registration.skull import SUPPORTS
 
 
 @pytest.mark.parametrize(

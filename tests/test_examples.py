@@ -10,7 +10,7 @@ import pyvista as pv
 from physgnn.config import read_preset, read_training
 from physgnn.dataset import PRESETS, Store, verification_of
 from physgnn.geometry import Surface, TetMesh, tetrahedralize
-from physgnn.stages.simulation import simulate_mesh
+from physgnn.stages.datasets.simulation import simulate_mesh
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 # Without forces the one path has the loads of [[loads.more]] alone.

@@ -101,7 +101,7 @@ def is_there(name: str, module: str, inside: tuple[str, ...]) -> bool:
 
 
 def test_resolve_finds_what_is_there_and_only_that() -> None:
-    assert resolve("physgnn.learning.run_folder.RunFolder.record")
+    assert resolve("physgnn.learning.runs.folder.RunFolder.record")
     assert resolve("physgnn.simulate") is physgnn.simulate
     for name in ("physgnn.learning.train", "physgnn.no_such", "physgnn.Store.no"):
         with pytest.raises((AttributeError, LookupError)):

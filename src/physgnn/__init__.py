@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from physgnn.io import read_surface as read_surface
     from physgnn.io import write_mesh as write_mesh
     from physgnn.learning.graph import Graph as Graph
-    from physgnn.learning.physgnn import PhysGNN as PhysGNN
-    from physgnn.learning.published import load_published as load_published
+    from physgnn.learning.physgnn.network import PhysGNN as PhysGNN
+    from physgnn.learning.physgnn.published import load_published as load_published
     from physgnn.mechanics import Body as Body
     from physgnn.mechanics import LoadCase as LoadCase
     from physgnn.mechanics import LoadPath as LoadPath
@@ -71,8 +71,8 @@ _HOME = {
     "solve": "mechanics",
     "Store": "dataset",
     "Graph": "learning.graph",
-    "PhysGNN": "learning.physgnn",
-    "load_published": "learning.published",
+    "PhysGNN": "learning.physgnn.network",
+    "load_published": "learning.physgnn.published",
     "Prediction": "prediction",
     "Predictor": "prediction",
     # the commands: what they take and give is in files

@@ -25,7 +25,7 @@ class Solver(StrEnum):
 
 
 class Element(StrEnum):
-    """Finite elements: rows of `physgnn.mechanics.element.ELEMENTS`."""
+    """Finite elements: rows of `physgnn.mechanics.elements.tet4.ELEMENTS`."""
 
     TET4 = "tet4"
     TET4_AVERAGED = "tet4-averaged"
@@ -41,7 +41,7 @@ class Split(StrEnum):
 
 
 class Loss(StrEnum):
-    """What training makes small: rows of `physgnn.learning.losses.LOSSES`."""
+    """What training makes small: rows of `physgnn.learning.training.losses.LOSSES`."""
 
     MEAN_EUCLIDEAN = "mean_euclidean"
     MEAN_SQUARE = "mean_square"
@@ -51,21 +51,24 @@ class Loss(StrEnum):
 
 
 class Schedule(StrEnum):
-    """How the learning rate falls: rows of `physgnn.learning.schedules.SCHEDULES`."""
+    """How the learning rate falls.
+
+    Rows of `physgnn.learning.training.schedules.SCHEDULES`.
+    """
 
     PLATEAU = "plateau"
     COSINE = "cosine"
 
 
 class Clock(StrEnum):
-    """What counts minutes: rows of `physgnn.learning.budget.CLOCKS`."""
+    """What counts minutes: rows of `physgnn.learning.training.budget.CLOCKS`."""
 
     WALL = "wall"
     PROCESSOR = "processor"
 
 
 class Precision(StrEnum):
-    """Of PhysGNN's products: rows of `physgnn.learning.precision.PRECISIONS`."""
+    """Of PhysGNN's LSTMs: rows of `physgnn.learning.physgnn.precision.PRECISIONS`."""
 
     FLOAT32 = "float32"
     BFLOAT16 = "bfloat16"
@@ -89,14 +92,14 @@ class Estimate(StrEnum):
 
 
 class Skull(StrEnum):
-    """How the skull holds a brain: rows of `physgnn.prediction.skull.SUPPORTS`."""
+    """How the skull holds a brain: rows of `physgnn.registration.skull.SUPPORTS`."""
 
     FIXED = "fixed"
     SLIDING = "sliding"
 
 
 class Interpolation(StrEnum):
-    """Between voxels: rows of `physgnn.imaging.warp.INTERPOLATIONS`."""
+    """Between voxels: rows of `physgnn.imaging.image_warping.INTERPOLATIONS`."""
 
     LINEAR = "linear"
     NEAREST = "nearest"

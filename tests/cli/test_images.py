@@ -7,10 +7,10 @@ import pytest
 
 from meshes import block_mesh
 from physgnn.cli import main
-from physgnn.geometry import tetgen_process
 from physgnn.geometry.image import Image, LabelVolume
+from physgnn.geometry.meshing import tetgen_process
 from physgnn.io import read_mesh, write_mesh
-from physgnn.io.nifti import read_image, write_image
+from physgnn.io.medical.nifti import read_image, write_image
 
 
 def run(*words: object) -> None:

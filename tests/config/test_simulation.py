@@ -8,7 +8,7 @@ import pytest
 from physgnn.config import read_materials, read_point_sets, read_preset
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.gravity import Gravity
+from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.materials import TISSUES, NeoHookean, Ogden
 
 WHOLE = """

@@ -8,9 +8,9 @@ import pytest
 
 from physgnn.dataset import Store
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.equilibrium.solution import Solution, Status
+from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.solution import Solution, Status
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 N_LEVELS = 3

@@ -8,7 +8,7 @@ import pytest
 from physgnn.dataset import PRESETS, Preset
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.loads.paths import LoadPath
 
 FIRST_1 = [
     [0.63853322909, -0.258185990891, -0.724993316836],

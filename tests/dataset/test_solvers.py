@@ -9,10 +9,10 @@ import febio_stand_in
 from physgnn.dataset import Preset, Store, generate, verification_of
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.load_paths import equal_levels
-from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.mechanics.loads.sampling import equal_levels
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.stages.simulation import simulate_mesh
+from physgnn.stages.datasets.simulation import simulate_mesh
 
 
 def push(_: TetMesh, loaded: np.ndarray) -> list[LoadPath]:

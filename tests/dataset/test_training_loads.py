@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.dataset.training_loads import sample_forces
 
 

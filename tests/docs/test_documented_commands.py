@@ -19,7 +19,7 @@ import typer
 from documented_pages import DOCS, PAGES, ROOT, Block, blocks, command_lines, name_of
 from physgnn.cli import main
 from physgnn.cli.app import app
-from physgnn.geometry import tetgen_process
+from physgnn.geometry.meshing import tetgen_process
 
 TUTORIALS = sorted(
     page for page in (DOCS / "tutorials").glob("*.md") if page.name != "index.md"

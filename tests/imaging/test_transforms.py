@@ -13,8 +13,8 @@ from physgnn.geometry.image import Image, ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging import forward_field, inverse_field
 from physgnn.imaging.transforms import from_itk, resampling_transform, to_itk
-from physgnn.io.displacement_files import write_field
-from physgnn.io.nifti import read_image, write_image
+from physgnn.io.medical.nifti import read_image, write_image
+from physgnn.io.medical.transforms import write_field
 
 MOTIONS = {
     "translation": ((0, 0, 0), (1.5, -1.0, 0.5)),

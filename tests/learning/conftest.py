@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physgnn.dataset.split import Split
-from physgnn.dataset.store import Store
+from physgnn.dataset.splits.samples import Split
+from physgnn.dataset.storage.store import Store
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.equilibrium.solution import Solution
+from physgnn.mechanics.linear.linear_elasticity import RestState
+from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.rest_state import RestState
-from physgnn.mechanics.solution import Solution
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 LOAD_FACTORS = np.arange(1, 5) / 4

@@ -6,8 +6,8 @@ import torch
 from torch import Tensor, nn
 
 from physgnn.learning.graph import Graph
-from physgnn.learning.physgnn import CONFIGURATIONS, PhysGNN
-from physgnn.learning.published import our_name
+from physgnn.learning.physgnn.network import CONFIGURATIONS, PhysGNN
+from physgnn.learning.physgnn.published import our_name
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")

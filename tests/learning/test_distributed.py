@@ -11,19 +11,19 @@ from pathlib import Path
 import pytest
 import torch
 
-from physgnn.dataset.split import Split
-from physgnn.dataset.store import Store
-from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.training import train
-from physgnn.learning.training_config import TrainingConfig
+from physgnn.dataset.splits.samples import Split
+from physgnn.dataset.storage.store import Store
+from physgnn.learning.runs.checkpoint import Checkpoint
+from physgnn.learning.training.config import TrainingConfig
+from physgnn.learning.training.train import train
 
 PROGRAM = """
 import sys, torch
-from physgnn.dataset.split import Split
-from physgnn.dataset.store import Store
-from physgnn.learning.trainer import Machine
-from physgnn.learning.training import train
-from physgnn.learning.training_config import TrainingConfig
+from physgnn.dataset.splits.samples import Split
+from physgnn.dataset.storage.store import Store
+from physgnn.learning.training.devices import Machine
+from physgnn.learning.training.train import train
+from physgnn.learning.training.config import TrainingConfig
 
 torch.set_num_threads(1)
 store = Store.open(sys.argv[1])

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physgnn.dataset.store import Store
-from physgnn.evaluation.result import Report
+from physgnn.dataset.storage.store import Store
+from physgnn.evaluation.measure.result import Report
 from physgnn.io.load_case import write_load_case
 from physgnn.prediction.predictor import Predictor
 

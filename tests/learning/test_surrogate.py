@@ -8,14 +8,14 @@ import pytest
 import torch
 
 import physgnn
-from physgnn.dataset.split import Split
-from physgnn.dataset.store import Store
+from physgnn.dataset.splits.samples import Split
+from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
-from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.models import MODELS, build_model, is_model, model_class
 from physgnn.learning.network import Network
+from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.surrogate import FromFunction, Surrogate
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 
 SMALL = {  # options that make a method quick enough for a test
     "pod_network": {"width": 8, "epochs": 2},

@@ -8,8 +8,8 @@ import pytest
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import Body, NeoHookean
-from physgnn.mechanics.assembly import make_pattern
-from physgnn.mechanics.element import make_elements
+from physgnn.mechanics.elements.tangent import make_pattern
+from physgnn.mechanics.elements.tet4 import make_elements
 
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
 

@@ -8,7 +8,7 @@ import pytest
 
 from physgnn.mechanics import NeoHookean, Solver
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.newton import Newton
+from physgnn.mechanics.equilibrium.full_newton import Newton
 
 FILE = Path(__file__).parents[2] / "benchmarks" / "elements.py"
 SPEC = importlib.util.spec_from_file_location("benchmark_elements", FILE)

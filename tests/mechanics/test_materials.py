@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.element import internal_force, make_elements, strain_energy
+from physgnn.mechanics.elements.tet4 import internal_force, make_elements, strain_energy
 from physgnn.mechanics.materials import (
     TISSUES,
     MooneyRivlin,

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from physgnn.dataset.generate import generate
-from physgnn.dataset.store import Store
+from physgnn.dataset.generation.pending_paths import generate
+from physgnn.dataset.storage.store import Store
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.prediction import PredictionStatus
 

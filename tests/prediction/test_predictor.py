@@ -5,26 +5,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physgnn.dataset.split import Split
-from physgnn.dataset.store import Store
+from physgnn.dataset.splits.samples import Split
+from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.baselines.linear import Linear
-from physgnn.learning.checkpoint import Checkpoint
 from physgnn.learning.graph import graph_of
 from physgnn.learning.models import build_model
-from physgnn.learning.run_folder import RunFolder
+from physgnn.learning.runs.checkpoint import Checkpoint
+from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadCase
-from physgnn.prediction.calibration import RELAXATION, calibrate
+from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.prediction.error_bounds.calibration import RELAXATION, calibrate
+from physgnn.prediction.error_bounds.indicators import INDICATORS
+from physgnn.prediction.error_bounds.run_calibration import calibrate_run
 from physgnn.prediction.finite_element import FiniteElementPredictor
-from physgnn.prediction.indicators import INDICATORS
 from physgnn.prediction.prediction import PredictionStatus
 from physgnn.prediction.predictor import (
     Predictor,
 )
-from physgnn.prediction.repair import UNSURE_BY
-from physgnn.prediction.run_calibration import calibrate_run
+from physgnn.prediction.repair_policy import UNSURE_BY
 
 SOLVER_MM = 1e-3  # two solves of one case agree at least this well
 
@@ -108,7 +108,7 @@ def test_the_estimate_is_larger_where_an_answer_does_not_tell_its_equilibrium(
     case = LoadCase(body.mesh.point_set("loaded")[:1], np.array([[0.0, 0.0, -0.01]]))
     predictor = Predictor(Linear(body))
     shallow = predictor(case, estimate="physical").likely_error_mm
-    monkeypatch.setattr("physgnn.prediction.repair.UNSURE_FROM", 1e-6)
+    monkeypatch.setattr("physgnn.prediction.repair_policy.UNSURE_FROM", 1e-6)
     deep = predictor(case, estimate="physical").likely_error_mm
     assert shallow is not None
     assert deep is not None

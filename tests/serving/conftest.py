@@ -10,15 +10,15 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.baselines.linear import Linear
 from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.prediction.calibration import Calibration
-from physgnn.prediction.indicators import INDICATORS
+from physgnn.prediction.error_bounds.calibration import Calibration
+from physgnn.prediction.error_bounds.indicators import INDICATORS
+from physgnn.prediction.error_bounds.trained_range import TrainedRange
 from physgnn.prediction.predictor import Predictor
-from physgnn.prediction.trained_range import TrainedRange
-from physgnn.serving.engine import Engine
-from physgnn.serving.patch import Exposed
-from physgnn.serving.viewed import Viewed
+from physgnn.serving.scene.patch_load import Exposed
+from physgnn.serving.scene.viewed import Viewed
+from physgnn.serving.sessions.engine import Engine
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 WARM = 0.9  # the stand-in for a network: linear elasticity times this

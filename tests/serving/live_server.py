@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from physgnn.serving.app import Beside, make_app
-from physgnn.serving.engine import Engine
-from physgnn.serving.messages import Push
-from physgnn.serving.serve import listen, make_server
+from physgnn.serving.protocol.messages import Push
+from physgnn.serving.server import listen, make_server
+from physgnn.serving.sessions.engine import Engine
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,11 @@ from websockets.sync.client import connect
 
 from physgnn.errors import InputError
 from physgnn.io import read_load_case
-from physgnn.serving.answers import load_case
 from physgnn.serving.app import STATIC
-from physgnn.serving.engine import Engine
-from physgnn.serving.serve import listen
-from physgnn.serving.viewed import Viewed
+from physgnn.serving.scene.viewed import Viewed
+from physgnn.serving.server import listen
+from physgnn.serving.sessions.engine import Engine
+from physgnn.serving.sessions.predictions import load_case
 
 WAIT = 120.0  # kernels may have to be compiled, on a busy machine
 

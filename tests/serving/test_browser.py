@@ -19,11 +19,11 @@ import pytest
 from live_server import serving
 
 from physgnn.io import read_load_case
-from physgnn.serving.answers import load_case
-from physgnn.serving.engine import Engine
-from physgnn.serving.fields import FIELDS, TISSUE, ColourField
-from physgnn.serving.messages import Push
-from physgnn.serving.viewed import Viewed, view
+from physgnn.serving.protocol.messages import Push
+from physgnn.serving.scene.colours import FIELDS, TISSUE, ColourField
+from physgnn.serving.scene.viewed import Viewed, view
+from physgnn.serving.sessions.engine import Engine
+from physgnn.serving.sessions.predictions import load_case
 
 LEAST_RATE = 20  # answers drawn a second, while dragging
 ADDED = ColourField(

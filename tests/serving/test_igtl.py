@@ -9,11 +9,11 @@ import pytest
 from live_server import Address, push, serving
 from websockets.sync.client import connect
 
-from physgnn.serving.answers import load_case
-from physgnn.serving.engine import Engine
 from physgnn.serving.igtl import stream
-from physgnn.serving.serve import listen
-from physgnn.serving.viewed import Viewed
+from physgnn.serving.scene.viewed import Viewed
+from physgnn.serving.server import listen
+from physgnn.serving.sessions.engine import Engine
+from physgnn.serving.sessions.predictions import load_case
 
 pyigtl = pytest.importorskip("pyigtl", reason="needs pyigtl: pip install '.[igtl]'")
 

@@ -6,15 +6,15 @@ import SimpleITK as sitk
 
 from meshes import block_mesh
 from physgnn.errors import InputError
-from physgnn.geometry import tetgen_process
 from physgnn.geometry.image import Image, LabelVolume
+from physgnn.geometry.meshing import tetgen_process
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh, write_prediction
-from physgnn.io.nifti import read_image, read_segmentation, write_image
-from physgnn.io.prediction_file import read_displacement
-from physgnn.stages.registration import register
-from physgnn.stages.segmentation import mesh_segmentation
-from physgnn.stages.warping import warp
+from physgnn.io.medical.nifti import read_image, read_segmentation, write_image
+from physgnn.io.vtk.prediction_file import read_displacement
+from physgnn.stages.patient.registration import register
+from physgnn.stages.patient.segmentation import mesh_segmentation
+from physgnn.stages.patient.warping import warp
 
 needs_tetgen = pytest.mark.skipif(
     not tetgen_process.available(), reason="meshing needs the tetgen extra"

@@ -66,8 +66,8 @@ def evaluate(
             precision=precision,
             progress=move,
         )
-    from physgnn.evaluation.tables import accuracy_table
-    from physgnn.learning.run_folder import EvaluationFolder, RunFolder
+    from physgnn.evaluation.report.tables import accuracy_table
+    from physgnn.learning.runs.folder import EvaluationFolder, RunFolder
 
     made = EvaluationFolder(out) if out else RunFolder(runs[-1]).evaluation(split)
     print(accuracy_table(report).text())

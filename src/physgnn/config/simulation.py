@@ -62,14 +62,14 @@ from physgnn.dataset.load_rules import (
 )
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR, Preset
 from physgnn.errors import InputError
-from physgnn.mechanics.element import DEFAULT_ELEMENT, checked_element
-from physgnn.mechanics.load_paths import cone_paths
+from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, checked_element
+from physgnn.mechanics.loads.sampling import cone_paths
 
 POINT_SETS = ("fixed", "loaded")
 
 
 class Loads(Table):
-    """The ``[loads]`` table: see `physgnn.mechanics.load_paths.cone_paths`.
+    """The ``[loads]`` table: see `physgnn.mechanics.loads.sampling.cone_paths`.
 
     Attributes
     ----------

@@ -1,6 +1,6 @@
 """How to train (``physgnn train --config``).
 
-The keys are the fields of `physgnn.learning.training_config.TrainingConfig`; a table
+The keys are the fields of `physgnn.learning.training.config.TrainingConfig`; a table
 ``[options]`` is for the model's own.
 """
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from physgnn.config.tables import read_as, read_toml, table_of
 
 if TYPE_CHECKING:
-    from physgnn.learning.training_config import TrainingConfig
+    from physgnn.learning.training.config import TrainingConfig
 
 
 def read_training(path: str | Path | None, **changes: Any) -> "TrainingConfig":
@@ -22,7 +22,7 @@ def read_training(path: str | Path | None, **changes: Any) -> "TrainingConfig":
         If the file cannot be read, or a key or value is wrong.
     """
     # torch takes seconds to import, and simulating does not need it
-    from physgnn.learning.training_config import TrainingConfig
+    from physgnn.learning.training.config import TrainingConfig
 
     values = {} if path is None else read_toml(path)
     options = {**values.pop("options", {}), **changes.pop("options", {})}

@@ -1,8 +1,13 @@
 """Datasets: load paths on a mesh, their solutions on disk, and their splits."""
 
-from physgnn.dataset.generate import SOLVERS, Generation, generate
+from physgnn.dataset.generation.pending_paths import SOLVERS, Generation, generate
+from physgnn.dataset.generation.verification import (
+    Verification,
+    verification_of,
+    verify,
+)
 from physgnn.dataset.presets import PRESETS, Preset
-from physgnn.dataset.split import (
+from physgnn.dataset.splits.samples import (
     SPLITS,
     Split,
     named_split,
@@ -10,8 +15,7 @@ from physgnn.dataset.split import (
     split_path,
     split_published,
 )
-from physgnn.dataset.store import Store
-from physgnn.dataset.verification import Verification, verification_of, verify
+from physgnn.dataset.storage.store import Store
 
 __all__ = [
     "PRESETS",

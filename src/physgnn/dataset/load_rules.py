@@ -15,12 +15,12 @@ from physgnn.arrays import IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.markups import read_point_pairs
-from physgnn.mechanics.gravity import Gravity
-from physgnn.mechanics.load_paths import equal_levels
-from physgnn.mechanics.loads import Load, LoadPath
-from physgnn.mechanics.prescribed import PrescribedDisplacement
-from physgnn.mechanics.pressure import SurfacePressure, faces_within
+from physgnn.io.medical.markups import read_point_pairs
+from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.paths import Load, LoadPath
+from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
+from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
+from physgnn.mechanics.loads.sampling import equal_levels
 
 Paths: TypeAlias = Callable[[TetMesh, IntArray], list[LoadPath]]
 
@@ -78,7 +78,7 @@ class MeasuredPlaces:
     ----------
     file : str
         Three points or more, where each was and where it went: a CSV, or markups of
-        3D Slicer; see `physgnn.io.markups`.
+        3D Slicer; see `physgnn.io.medical.markups`.
     snap_mm : float
         How far from a surface point of the mesh a measured point may lie.
     """

@@ -13,15 +13,15 @@ from physgnn.geometry import point_sets
 from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
 from physgnn.geometry.regions import BRAIN, REGIONS, TUMOUR
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.element import DEFAULT_ELEMENT
-from physgnn.mechanics.load_paths import (
+from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
+from physgnn.mechanics.loads.patch_sampling import push_paths
+from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.mechanics.loads.sampling import (
     all_node_paths,
     single_node_paths,
     traction_paths,
 )
-from physgnn.mechanics.loads import LoadPath
 from physgnn.mechanics.materials import TISSUES, Material
-from physgnn.mechanics.pushes import push_paths
 from physgnn.mechanics.resection import remove_region
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 
 
 def sample_forces(store: Store, samples: IntArray) -> FloatArray:

@@ -1,11 +1,11 @@
 """Errors of predictors on held-out samples: tables, figures and a report."""
 
-from physgnn.evaluation.baselines import baseline_names, baseline_rows
-from physgnn.evaluation.evaluate import evaluate
-from physgnn.evaluation.held_out import HeldOut
-from physgnn.evaluation.result import ModelErrors, Report
-from physgnn.evaluation.rows import Row
-from physgnn.evaluation.run import (
+from physgnn.evaluation.measure.baselines import baseline_names, baseline_rows
+from physgnn.evaluation.measure.held_out import HeldOut
+from physgnn.evaluation.measure.measuring import evaluate
+from physgnn.evaluation.measure.result import ModelErrors, Report
+from physgnn.evaluation.measure.rows import Row
+from physgnn.evaluation.measure.run import (
     Comparison,
     evaluate_run,
     evaluate_runs,

@@ -1,8 +1,9 @@
 """Surfaces, tetrahedral meshes, point sets: everything before mechanics."""
 
 from physgnn.geometry.boundary import boundary_faces, boundary_points, boundary_surface
+from physgnn.geometry.meshing.cell_quality import Quality, check_quality, quality
+from physgnn.geometry.meshing.tetrahedra import paper_max_volume, tetrahedralize
 from physgnn.geometry.normals import face_normals, vertex_normals
-from physgnn.geometry.phantom import Phantom, mni152_phantom
 from physgnn.geometry.point_sets import (
     RULES,
     Complement,
@@ -13,7 +14,6 @@ from physgnn.geometry.point_sets import (
     Union,
     select,
 )
-from physgnn.geometry.quality import Quality, check_quality, quality
 from physgnn.geometry.surface import (
     Surface,
     edge_lengths,
@@ -22,9 +22,9 @@ from physgnn.geometry.surface import (
     merge_points,
     volume,
 )
-from physgnn.geometry.surface_checks import check_nested, check_surface, contains
+from physgnn.geometry.surfaces.checks import check_nested, check_surface, contains
+from physgnn.geometry.synthetic.phantom import Phantom, mni152_phantom
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.geometry.tetrahedralize import paper_max_volume, tetrahedralize
 
 __all__ = [
     "RULES",

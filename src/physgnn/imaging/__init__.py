@@ -8,10 +8,10 @@ from physgnn.imaging.field import (
     inverse_field,
     round_trip_mm,
 )
+from physgnn.imaging.image_warping import warp
 from physgnn.imaging.jacobian import Folding, folding, jacobian_image
 from physgnn.imaging.labels import deformed_labels
 from physgnn.imaging.slices import before_after, slices_of_shift
-from physgnn.imaging.warp import warp
 
 __all__ = [
     "FADE_PER_DISPLACEMENT",

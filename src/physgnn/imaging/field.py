@@ -18,7 +18,7 @@ from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.imaging.rasterize import rasterize
+from physgnn.imaging.voxel_fields import rasterize
 
 # The fade's slope is then at most a quarter, so that it cannot fold by itself.
 FADE_PER_DISPLACEMENT, SHORTEST_FADE_MM = 4.0, 10.0

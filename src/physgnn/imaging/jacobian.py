@@ -9,8 +9,8 @@ from physgnn.arrays import FloatArray
 from physgnn.geometry.image import Image, ImageGrid
 from physgnn.geometry.tetmesh import TetMesh, signed_volumes
 from physgnn.imaging.field import DisplacementField
-from physgnn.imaging.rasterize import rasterize
 from physgnn.imaging.transforms import vectors_to_itk
+from physgnn.imaging.voxel_fields import rasterize
 
 
 def cell_jacobians(mesh: TetMesh, displacement: FloatArray) -> FloatArray:

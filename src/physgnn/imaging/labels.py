@@ -6,7 +6,7 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid, LabelVolume
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.imaging.rasterize import rasterize
+from physgnn.imaging.voxel_fields import rasterize
 
 
 def deformed_labels(

@@ -10,8 +10,8 @@ from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging.field import grid_around, inverse_field
+from physgnn.imaging.image_warping import warp
 from physgnn.imaging.labels import deformed_labels
-from physgnn.imaging.warp import warp
 
 SQUARE_MM = 20.0
 PANEL_INCHES = 3.2

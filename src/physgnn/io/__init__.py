@@ -5,8 +5,8 @@ writer leaves a whole file or none.
 """
 
 from physgnn.io.load_case import read_load_case, write_load_case
-from physgnn.io.surface_files import SURFACE_READERS, read_surface
-from physgnn.io.vtu import read_mesh, write_mesh, write_prediction
+from physgnn.io.surfaces.formats import SURFACE_READERS, read_surface
+from physgnn.io.vtk.vtu import read_mesh, write_mesh, write_prediction
 
 __all__ = [
     "SURFACE_READERS",

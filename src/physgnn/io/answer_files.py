@@ -20,10 +20,10 @@ from physgnn.imaging import (
     grid_around,
     inverse_field,
 )
-from physgnn.io.displacement_files import write_field
-from physgnn.io.nifti import SUFFIXES, write_image
-from physgnn.io.prediction_file import DISPLACEMENT, write_deformed
-from physgnn.io.vtu import write_prediction
+from physgnn.io.medical.nifti import SUFFIXES, write_image
+from physgnn.io.medical.transforms import write_field
+from physgnn.io.vtk.prediction_file import DISPLACEMENT, write_deformed
+from physgnn.io.vtk.vtu import write_prediction
 
 IMAGES = tuple(reversed(SUFFIXES))
 

@@ -18,7 +18,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import write_whole
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 
 PLACES = ("nodes", "points")
 FORCES = "forces_n"

@@ -7,9 +7,9 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.equilibrium.solution import Solution, Status
+from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material
-from physgnn.mechanics.solution import Solution, Status
 
 
 @dataclass(frozen=True, eq=False)

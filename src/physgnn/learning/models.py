@@ -23,11 +23,11 @@ MODELS: Mapping[str, str] = {
     "pod_network": "physgnn.learning.classical.pod_network:PODNetwork",
     "extra_trees": "physgnn.learning.classical.extra_trees:ExtraTrees",
     "nodal_network": "physgnn.learning.classical.nodal_network:NodalNetwork",
-    "galerkin": "physgnn.learning.galerkin:GalerkinModel",
-    "reduced": "physgnn.learning.reduced:ReducedModel",
+    "galerkin": "physgnn.learning.reduced_order.pod_galerkin:GalerkinModel",
+    "reduced": "physgnn.learning.reduced_order.local_expansion:ReducedModel",
     "finite_element": "physgnn.learning.baselines.finite_element:FiniteElement",
-    "lifted": "physgnn.learning.lifted:LiftedModel",
-    "physgnn": "physgnn.learning.physgnn_model:PhysGNNModel",
+    "lifted": "physgnn.learning.lifted.model:LiftedModel",
+    "physgnn": "physgnn.learning.physgnn.model:PhysGNNModel",
 }
 """From a method's name to its class, which is imported when first asked for."""
 

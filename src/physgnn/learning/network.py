@@ -28,10 +28,10 @@ from torch import Tensor, nn
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.learning.graph import Graph, graph_of
-from physgnn.learning.precision import set_precision
+from physgnn.learning.physgnn.precision import set_precision
 from physgnn.learning.surrogate import Arrays, Surrogate
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 
 
 class Network(nn.Module, Surrogate):

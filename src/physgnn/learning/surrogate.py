@@ -27,13 +27,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.element import ELEMENTS
-from physgnn.mechanics.known_states import NearestKnown
-from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.rest_state import RestState
+from physgnn.mechanics.elements.tet4 import ELEMENTS
+from physgnn.mechanics.equilibrium.reference_states import NearestKnown
+from physgnn.mechanics.linear.linear_elasticity import RestState
+from physgnn.mechanics.loads.paths import LoadCase
 
 Arrays = Mapping[str, NDArray[Any]]
 

@@ -1,10 +1,15 @@
 """Hyperelastic finite elements: materials, loads, equilibrium along a load path."""
 
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.gravity import Gravity
+from physgnn.mechanics.elements.cell_kinematics import deformation_gradient
+from physgnn.mechanics.equilibrium.solution import Solution, Status
+from physgnn.mechanics.equilibrium.solver import Solver, SolverOptions, solve
 from physgnn.mechanics.kernel_cache import drop_stale_kernels
-from physgnn.mechanics.kinematics import deformation_gradient
-from physgnn.mechanics.loads import Load, LoadCase, LoadPath
+from physgnn.mechanics.linear.linear_elasticity import RestState
+from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.paths import Load, LoadCase, LoadPath
+from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
+from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
 from physgnn.mechanics.materials import (
     TISSUES,
     Material,
@@ -12,12 +17,7 @@ from physgnn.mechanics.materials import (
     NeoHookean,
     Ogden,
 )
-from physgnn.mechanics.prescribed import PrescribedDisplacement
-from physgnn.mechanics.pressure import SurfacePressure, faces_within
 from physgnn.mechanics.resection import remove_region
-from physgnn.mechanics.rest_state import RestState
-from physgnn.mechanics.solution import Solution, Status
-from physgnn.mechanics.solver import Solver, SolverOptions, solve
 
 __all__ = [
     "TISSUES",

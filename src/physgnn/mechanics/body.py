@@ -15,8 +15,8 @@ import numpy as np
 from physgnn.arrays import IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.assembly import Pattern, make_pattern
-from physgnn.mechanics.element import (
+from physgnn.mechanics.elements.tangent import Pattern, make_pattern
+from physgnn.mechanics.elements.tet4 import (
     DEFAULT_ELEMENT,
     Elements,
     check_materials,
@@ -40,7 +40,7 @@ class Body:
         Points that cannot move: the name of a point set, or indices.
     element : str
         "tet4", linear tetrahedra as published, or "tet4-averaged", which do not lock
-        as ν nears 0.5 (`physgnn.mechanics.averaging`).
+        as ν nears 0.5 (`physgnn.mechanics.elements.averaged_pressure`).
     factors : Path, optional
         Folder where the factor of a large body is kept from run to run. It may be
         deleted at any time.

@@ -1,5 +1,6 @@
 """Predictors: a load case in, a displacement with its error estimate out."""
 
+from physgnn.prediction.error_bounds.run_calibration import calibrate_run
 from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.prediction import (
     ErrorEstimate,
@@ -8,7 +9,6 @@ from physgnn.prediction.prediction import (
     PredictionStatus,
 )
 from physgnn.prediction.predictor import Predictor
-from physgnn.prediction.run_calibration import calibrate_run
 
 __all__ = [
     "ErrorEstimate",

@@ -3,12 +3,12 @@
 import time
 
 from physgnn.choices import Estimate
-from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.solution import Status
+from physgnn.mechanics.equilibrium.solution import Status
+from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.prediction import ErrorEstimate, Prediction, PredictionStatus
-from physgnn.prediction.repair import SAFETY
+from physgnn.prediction.repair_policy import SAFETY
 
 TOLERANCE_MM = 1e-3  # of a solve nobody gives a tolerance for
 

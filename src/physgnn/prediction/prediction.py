@@ -6,7 +6,7 @@ from typing import Protocol
 
 from physgnn.arrays import FloatArray
 from physgnn.choices import Estimate
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 
 
 class PredictionStatus(IntEnum):

@@ -10,21 +10,21 @@ import torch
 from physgnn.arrays import FloatArray
 from physgnn.choices import Estimate
 from physgnn.errors import InputError
-from physgnn.learning.checkpoint import Checkpoint
-from physgnn.learning.run_folder import RunFolder
+from physgnn.learning.runs.checkpoint import Checkpoint
+from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.surrogate import Surrogate
-from physgnn.mechanics.approach import Approach
-from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.relaxation import Relaxation
-from physgnn.prediction.calibration import Calibration
-from physgnn.prediction.indicators import INDICATORS
+from physgnn.mechanics.equilibrium.relaxation import Relaxation
+from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.prediction.error_bounds.calibration import Calibration
+from physgnn.prediction.error_bounds.indicators import INDICATORS
 from physgnn.prediction.prediction import (
     ErrorEstimate,
     LikelyError,
     Prediction,
     PredictionStatus,
 )
-from physgnn.prediction.repair import (
+from physgnn.prediction.repair_policy import (
     cautious_error,
     good_enough,
     repair,

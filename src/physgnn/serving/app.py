@@ -12,10 +12,10 @@ from fastapi.staticfiles import StaticFiles
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 
 from physgnn.errors import InputError
-from physgnn.serving.answers import load_case
-from physgnn.serving.engine import Engine
-from physgnn.serving.messages import MAX_BYTES, read_push
-from physgnn.serving.session import Session
+from physgnn.serving.protocol.messages import MAX_BYTES, read_push
+from physgnn.serving.sessions.engine import Engine
+from physgnn.serving.sessions.predictions import load_case
+from physgnn.serving.sessions.session import Session
 
 STATIC = Path(__file__).with_name("static")
 HOSTS = ["127.0.0.1", "localhost", "[::1]"]

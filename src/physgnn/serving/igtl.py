@@ -17,8 +17,8 @@ import numpy as np
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.prediction.prediction import Prediction
-from physgnn.serving.engine import Engine
-from physgnn.serving.grid import SampleGrid, grid_over
+from physgnn.serving.scene.sample_grid import SampleGrid, grid_over
+from physgnn.serving.sessions.engine import Engine
 
 GRID_MM = 4.0  # about the edge length of the meshes: a finer grid shows no more
 PAUSE_SECONDS = 0.04  # between frames of one client

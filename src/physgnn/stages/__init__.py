@@ -13,42 +13,42 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from physgnn.stages.ablation import ablate as ablate
-    from physgnn.stages.adaptation import adapt as adapt
-    from physgnn.stages.bundling import bundle as bundle
-    from physgnn.stages.demonstration import demo as demo
-    from physgnn.stages.evaluation import evaluate as evaluate
-    from physgnn.stages.exchange import export as export
-    from physgnn.stages.exchange import import_results as import_results
-    from physgnn.stages.meshing import mesh as mesh
-    from physgnn.stages.prediction import predict as predict
-    from physgnn.stages.published_weights import published as published
-    from physgnn.stages.registration import register as register
-    from physgnn.stages.reproduction import reproduce as reproduce
-    from physgnn.stages.simulation import simulate as simulate
-    from physgnn.stages.synthetic_patients import anatomies as anatomies
-    from physgnn.stages.training import train as train
-    from physgnn.stages.viewing import view as view
-    from physgnn.stages.warping import warp as warp
+    from physgnn.stages.datasets.exchange import export as export
+    from physgnn.stages.datasets.exchange import import_results as import_results
+    from physgnn.stages.datasets.simulation import simulate as simulate
+    from physgnn.stages.datasets.synthetic_patients import anatomies as anatomies
+    from physgnn.stages.experiments.ablation import ablate as ablate
+    from physgnn.stages.experiments.demonstration import demo as demo
+    from physgnn.stages.experiments.reproduction import reproduce as reproduce
+    from physgnn.stages.networks.bundling import bundle as bundle
+    from physgnn.stages.networks.evaluation import evaluate as evaluate
+    from physgnn.stages.networks.published_weights import published as published
+    from physgnn.stages.networks.training import train as train
+    from physgnn.stages.patient.adaptation import adapt as adapt
+    from physgnn.stages.patient.meshing import mesh as mesh
+    from physgnn.stages.patient.prediction import predict as predict
+    from physgnn.stages.patient.registration import register as register
+    from physgnn.stages.patient.viewing import view as view
+    from physgnn.stages.patient.warping import warp as warp
 
 _HOME = {
-    "ablate": "ablation",
-    "adapt": "adaptation",
-    "anatomies": "synthetic_patients",
-    "bundle": "bundling",
-    "demo": "demonstration",
-    "evaluate": "evaluation",
-    "export": "exchange",
-    "import_results": "exchange",
-    "mesh": "meshing",
-    "predict": "prediction",
-    "published": "published_weights",
-    "register": "registration",
-    "reproduce": "reproduction",
-    "simulate": "simulation",
-    "train": "training",
-    "view": "viewing",
-    "warp": "warping",
+    "ablate": "experiments.ablation",
+    "adapt": "patient.adaptation",
+    "anatomies": "datasets.synthetic_patients",
+    "bundle": "networks.bundling",
+    "demo": "experiments.demonstration",
+    "evaluate": "networks.evaluation",
+    "export": "datasets.exchange",
+    "import_results": "datasets.exchange",
+    "mesh": "patient.meshing",
+    "predict": "patient.prediction",
+    "published": "networks.published_weights",
+    "register": "patient.registration",
+    "reproduce": "experiments.reproduction",
+    "simulate": "datasets.simulation",
+    "train": "networks.training",
+    "view": "patient.viewing",
+    "warp": "patient.warping",
 }
 
 COMMANDS: Mapping[str, str] = {

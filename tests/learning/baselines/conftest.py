@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.equilibrium.solution import Solution
+from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.solution import Solution
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 FACTORS = np.arange(1, 7) / 6

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.baselines.level_interpolation import LevelInterpolation
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 
 
 def fitted(store: Store, train: np.ndarray) -> LevelInterpolation:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.learning.baselines.linear import Linear
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.finite_element import FiniteElementPredictor
 
 

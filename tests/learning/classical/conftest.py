@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics.loads import LoadPath
+from physgnn.mechanics.equilibrium.solution import Solution
+from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.solution import Solution
 
 N_PATHS, N_LEVELS = 8, 4
 

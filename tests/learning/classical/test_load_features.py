@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.learning.classical.load_features import LoadFeatures
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.learning.classical import nodal_learner
 from physgnn.learning.classical.nodal_learner import NodalLearner
 from physgnn.learning.classical.pod_learner import PODLearner

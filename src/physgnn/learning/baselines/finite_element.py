@@ -3,12 +3,12 @@
 from functools import cached_property
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.learning.surrogate import Surrogate
-from physgnn.mechanics.approach import Approach
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.solution import Status
+from physgnn.mechanics.equilibrium.solution import Status
+from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.loads.paths import LoadCase
 
 
 class FiniteElement(Surrogate):

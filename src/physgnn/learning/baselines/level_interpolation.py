@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.surrogate import Arrays, Surrogate
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 
 SAME_DIRECTION = 1 - 1e-10  # cosine between two force fields of the same load path
 

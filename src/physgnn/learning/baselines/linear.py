@@ -2,7 +2,7 @@
 
 from physgnn.arrays import FloatArray
 from physgnn.learning.surrogate import Surrogate
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 
 
 class Linear(Surrogate):

@@ -4,7 +4,7 @@ import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.learning.surrogate import Surrogate
-from physgnn.mechanics.loads import LoadCase
+from physgnn.mechanics.loads.paths import LoadCase
 
 
 class Zero(Surrogate):

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.dataset.training_loads import sample_forces
-from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.modes import leading_modes
+from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.mechanics.reduced.pod import leading_modes
 
 Rows = NDArray[np.float32]
 

@@ -5,14 +5,14 @@ from collections.abc import Callable
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.learning.classical.estimator import Estimator
 from physgnn.learning.classical.load_features import LoadFeatures, Rows
 from physgnn.learning.classical.row_learner import RowLearner
 from physgnn.learning.surrogate import Arrays
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads import LoadCase
-from physgnn.mechanics.modes import leading_modes
+from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.mechanics.reduced.pod import leading_modes
 
 N_SNAPSHOTS = 512  # fields the modes are made of, to bound memory
 

@@ -4,7 +4,7 @@ from abc import abstractmethod
 from collections.abc import Callable
 
 from physgnn.arrays import IntArray
-from physgnn.dataset.store import Store
+from physgnn.dataset.storage.store import Store
 from physgnn.learning.classical.estimator import Estimator
 from physgnn.learning.classical.load_features import LoadFeatures
 from physgnn.learning.surrogate import Arrays, Surrogate

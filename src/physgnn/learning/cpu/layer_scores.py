@@ -7,7 +7,7 @@ import torch
 from torch import Tensor, nn
 
 from physgnn.learning.cpu.data import Weights
-from physgnn.learning.cpu.lstm import Way
+from physgnn.learning.cpu.lstm_scores import Way
 from physgnn.learning.cpu.shared import Shared, lstm_scores, read_shared
 
 Direction = tuple[Weights, Shared | None]

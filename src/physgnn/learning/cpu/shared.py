@@ -14,7 +14,7 @@ from torch import Tensor, cat
 from torch.nn.functional import linear, pad
 
 from physgnn.learning.cpu.data import Given, Weights
-from physgnn.learning.cpu.lstm import PLAIN, Way, lstm
+from physgnn.learning.cpu.lstm_scores import PLAIN, Way, lstm
 
 
 class Shared(NamedTuple):
@@ -42,7 +42,7 @@ def read_shared(inputs: Sequence[Tensor], weights: Weights, way: Way) -> Shared:
         By step, the inputs of the last of the n points; of ever more of them, or ever
         fewer. At some step there are none.
     weights, way
-        As in :func:`physgnn.learning.cpu.lstm.lstm`.
+        As in :func:`physgnn.learning.cpu.lstm_scores.lstm`.
     """
     if len(inputs[0]):
         return _before(inputs, weights, way)

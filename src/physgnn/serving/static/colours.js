@@ -2,7 +2,7 @@
 
 export const TISSUE = [0.83, 0.79, 0.75];
 
-/** Rows by name, as the server sends them with the scene (physgnn/serving/fields.py). */
+/** Rows by name, as the server sends them with the scene (physgnn/serving/scene/colours.py). */
 export const FIELDS = {};
 const RGB = {};
 

@@ -1,0 +1,161 @@
+"""What a dataset asks: mesh, element, materials, fixed points, load paths; on disk."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+
+from physgnn.arrays import FloatArray, IntArray
+from physgnn.dataset.storage import layout
+from physgnn.dataset.storage.load_records import distinct, to_record
+from physgnn.dataset.storage.result_rows import result_arrays
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, checked_element
+from physgnn.mechanics.loads.external_force import Loading
+from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.mechanics.materials import Material
+from physgnn.mechanics.materials.table import material_to_config
+
+
+@dataclass(frozen=True, eq=False)
+class Definition:
+    """All that is asked, complete and consistent.
+
+    Attributes
+    ----------
+    mesh : TetMesh
+    paths : sequence of LoadPath
+        One or more, all with the same load factors.
+    materials : mapping of region to Material
+        One for every region of the mesh; others are left out.
+    fixed : (n_fixed,) int64 array
+    element : str
+        As in `physgnn.mechanics.SolverOptions`.
+
+    Raises
+    ------
+    InputError
+        If a path does not fit, a region has no material, or the element is unknown.
+    """
+
+    mesh: TetMesh
+    paths: Sequence[LoadPath]
+    materials: Mapping[int, Material]
+    fixed: IntArray
+    element: str = DEFAULT_ELEMENT
+
+    def __post_init__(self) -> None:
+        checked_element(self.element)
+        object.__setattr__(self, "fixed", np.asarray(self.fixed, dtype=np.int64))
+        object.__setattr__(self, "materials", _needed(self.mesh, self.materials))
+        _check_paths(self.mesh, self.paths, self.fixed)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of what is asked: two stores that ask the same share it."""
+        nodes, forces = _padded(self.paths)
+        loads, of_path = distinct(self.paths)
+        beyond: list[Any] = [self.element, of_path, *loads]
+        if self.element == DEFAULT_ELEMENT and not loads:
+            beyond = []  # as for stores made before there was any of it
+        return layout.digest_of(
+            self.mesh.content_hash,
+            _records(self.materials),
+            self.fixed,
+            nodes,
+            forces,
+            self.paths[0].load_factors,
+            *beyond,
+        )
+
+    def write(self, folder: Path, provenance: Mapping[str, Any]) -> None:
+        """Write a new store at `folder`, every path pending."""
+        group = zarr.open_group(folder, mode="w-")
+        loads, of_path = distinct(self.paths)
+        kept = [to_record(load) for load in loads.values()]
+        attributes: dict[str, Any] = {
+            "format": layout.FORMAT,
+            "version": layout.VERSION,
+            "n_paths": len(self.paths),
+            "n_points": self.mesh.n_points,
+            "mesh_hash": self.mesh.content_hash,
+            "point_sets": sorted(self.mesh.point_sets),
+            "element": self.element,
+            "materials": _records(self.materials),
+            "more_loads": [record for record, _ in kept],
+            "definition_hash": self.digest,
+            "provenance": dict(provenance),
+        }
+        group.attrs.update(attributes)
+        more = {
+            f"loads/more/{k}/{name}": value
+            for k, (_, arrays) in enumerate(kept)
+            for name, value in arrays.items()
+        }
+        if loads:
+            more["loads/more_of_path"] = of_path
+        for name, value in {**self._arrays(), **more}.items():
+            layout.put_array(group, name, value)
+        rows = result_arrays(self.paths[0].n_levels, self.mesh.n_points)
+        for name, (shape, dtype, fill) in rows.items():
+            of_all = (len(self.paths), *shape)
+            layout.put_rows(group, f"result/{name}", of_all, dtype, fill)
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        mesh = self.mesh
+        nodes, forces = _padded(self.paths)
+        return {
+            "mesh/points": mesh.points,
+            "mesh/cells": mesh.cells,
+            "mesh/region": mesh.region,
+            **{f"mesh/point_sets/{name}": ids for name, ids in mesh.point_sets.items()},
+            "fixed": self.fixed,
+            "loads/nodes": nodes,
+            "loads/forces": forces,
+            "load_factors": self.paths[0].load_factors,
+        }
+
+
+def _needed(mesh: TetMesh, materials: Mapping[int, Material]) -> dict[int, Material]:
+    """Return the materials of the mesh's regions; InputError if one has none."""
+    regions = np.unique(mesh.region).tolist()
+    without = [region for region in regions if region not in materials]
+    if without:
+        raise InputError(f"region {without[0]} has no material: name one for it")
+    return {region: materials[region] for region in regions}
+
+
+def _check_paths(mesh: TetMesh, paths: Sequence[LoadPath], fixed: IntArray) -> None:
+    """Raise InputError if the paths do not fit the mesh or each other."""
+    if not paths:
+        raise InputError("a dataset needs one load path or more (got none)")
+    for i, path in enumerate(paths):
+        path.check_against(mesh, fixed)
+        if path.more:
+            Loading(mesh, path, fixed)  # refuses loads that don't fit
+        if not np.array_equal(path.load_factors, paths[0].load_factors):
+            raise InputError(
+                f"all load paths must have the same load factors (path {i} differs)"
+            )
+
+
+def _records(materials: Mapping[int, Material]) -> dict[str, Any]:
+    return {str(region): material_to_config(m) for region, m in materials.items()}
+
+
+def _padded(
+    paths: Sequence[LoadPath],
+) -> tuple[IntArray, FloatArray]:
+    """Return nodes and forces of all paths as wide as the widest; node −1 is none."""
+    widest = max(len(path.nodes) for path in paths)
+    nodes = np.full((len(paths), widest), -1, dtype=np.int64)
+    forces = np.zeros((len(paths), widest, 3))
+    for i, path in enumerate(paths):
+        nodes[i, : len(path.nodes)] = path.nodes
+        forces[i, : len(path.nodes)] = path.forces
+    return nodes, forces

@@ -1,0 +1,300 @@
+"""The figures of a report, each saved for a light and for a dark page."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Colormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from physgnn.arrays import FloatArray
+from physgnn.choices import Estimate
+from physgnn.dataset.storage.store import Store
+from physgnn.evaluation.measure.coverage import BarSample
+from physgnn.evaluation.measure.result import ModelErrors, Report
+from physgnn.evaluation.report import scenes
+from physgnn.evaluation.report.charts import (
+    estimate_chart,
+    histogram_chart,
+    level_chart,
+)
+from physgnn.evaluation.report.coverage_chart import bars_chart
+from physgnn.evaluation.report.scenes import Pixels, View
+from physgnn.evaluation.report.style import (
+    BRAIN,
+    DISPLACEMENT_MAP,
+    ERROR_MAP,
+    FIXED,
+    LOADED,
+    THEMES,
+    TUMOUR,
+    label,
+)
+from physgnn.imaging import slices_of_shift
+from physgnn.imaging.template import bundled_t1
+from physgnn.prediction.prediction import Predict
+
+DPI = 160
+WIDTH, AROUND_PANELS = 9.6, 1.1  # inches; height of titles and colour bars
+SATURATED = 99.5  # percentile where colours end: a few loaded points move much more
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure on disk.
+
+    Attributes
+    ----------
+    name : str
+        File name without theme and ending.
+    caption : str
+        What it shows, for readers and for screen readers.
+    files : tuple of Path
+        PNG for a light page, PNG for a dark page.
+    """
+
+    name: str
+    caption: str
+    files: tuple[Path, ...]
+
+
+def draw_figures(
+    report: Report, store: Store, predict: Predict, folder: Path
+) -> tuple[Picture, ...]:
+    """Draw every figure of a report into a folder.
+
+    Parameters
+    ----------
+    report : Report
+        Its last model is the one under test.
+    store : Store
+        What was evaluated on.
+    predict : callable
+        The model under test, asked again for its worst case.
+    folder : path
+        Made if it is missing.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    model = report.models[-1]
+    made = [
+        _draw_case(store, model, folder),
+        _draw_deformed(store, model, folder),
+        _draw_slices(store, model, predict, folder),
+        _save(
+            "error_over_level",
+            "Euclidean error over the load: the mean over nodes and samples on the "
+            "left, the mean of the samples' largest on the right; logarithmic.",
+            lambda: level_chart(report),
+            folder,
+        ),
+        _save(
+            "error_histogram",
+            "How the Euclidean errors of all nodes and samples are distributed.",
+            lambda: histogram_chart(report),
+            folder,
+        ),
+    ]
+    if any(sample.estimate_mean is not None for sample in model.samples):
+        caption = (
+            "The error bound each prediction carried over its true error; dots above "
+            "the line kept the promise."
+        )
+        made.append(
+            _save("error_bound", caption, lambda: estimate_chart(model), folder)
+        )
+    made.append(_draw_worst(store, model, predict, folder))
+    return tuple(made)
+
+
+def draw_bars(samples: Sequence[BarSample], folder: Path) -> Picture:
+    """Draw how far error estimates and bounds can be trusted."""
+    return _save(
+        "error_bars",
+        f"Error estimates and bounds beside the true error, {len(samples)} samples: "
+        "the physical estimate over it (shaded: within a factor of two), how often "
+        "bounds held (dashed: as promised), and how far above it they lie.",
+        lambda: bars_chart(samples),
+        folder,
+    )
+
+
+def _draw_case(store: Store, model: ModelErrors, folder: Path) -> Picture:
+    mesh, sample = store.mesh, model.worst
+    mesh = mesh.with_point_sets(fixed=store.fixed)
+    path = store.load_path(sample.path)
+    view = View.of(mesh, path.nodes)
+    images = (
+        scenes.render_case(mesh, path.case(store.n_levels - 1), view),
+        scenes.render_cut(mesh, view),
+    )
+
+    def figure() -> Figure:
+        made, _ = _panels(images, ("Fixed and loaded points", "Mesh, cut open"))
+        kinds = (("fixed", FIXED), ("loaded, force", LOADED), ("tumour", TUMOUR))
+        dots = [
+            Line2D([], [], marker="o", linestyle="", color=paint, label=name)
+            for name, paint in (("brain", BRAIN), *kinds)
+        ]
+        made.legend(handles=dots, loc="outside lower center", ncols=4)
+        return made
+
+    return _save(
+        "case",
+        f"The case: {mesh.n_points} points, {mesh.n_cells} tetrahedra, "
+        f"{len(store.fixed)} fixed and {len(path.nodes)} loaded points.",
+        figure,
+        folder,
+    )
+
+
+def _draw_deformed(store: Store, model: ModelErrors, folder: Path) -> Picture:
+    sample = max(model.samples, key=lambda s: s.largest_displacement)
+    truth = store.displacement(sample.path)[sample.level].astype(np.float64)
+    length = np.linalg.norm(truth, axis=1)
+    limits = (0.0, float(np.percentile(length, SATURATED)))
+    mesh, view = store.mesh, View.of(store.mesh, store.load_path(sample.path).nodes)
+    colours = {"view": view, "limits": limits, "map": DISPLACEMENT_MAP}
+    images = (
+        scenes.render_surface(mesh, truth, length, **colours),
+        scenes.render_deformed_cut(mesh, truth, length, **colours),
+    )
+
+    def figure() -> Figure:
+        titles = ("Deformed surface", "Cut through the tumour; grey line: at rest")
+        made, axes = _panels(images, titles)
+        _colour_bar(made, axes, DISPLACEMENT_MAP, limits, "displacement, mm")
+        return made
+
+    return _save(
+        "deformed",
+        f"The finite-element answer for load path {sample.path} at "
+        f"{100 * sample.load_factor:.0f} % load, true to scale; it moves up to "
+        f"{sample.largest_displacement:.1f} mm.",
+        figure,
+        folder,
+    )
+
+
+def _draw_slices(
+    store: Store, model: ModelErrors, predict: Predict, folder: Path
+) -> Picture:
+    sample = max(model.samples, key=lambda s: s.largest_displacement)
+    case = store.load_case(sample.path, sample.level)
+    predicted = predict(case, estimate=Estimate.QUICK).displacement
+    image = bundled_t1(store.mesh)
+    shown = "The tissues" if image is None else "The T1-weighted image"
+    return _save(
+        "slices",
+        f"{shown} before and after, as predicted for load path {sample.path} at "
+        f"{100 * sample.load_factor:.0f} % load, and squares of each in turn: where "
+        "nothing moves, lines run on from square to square.",
+        lambda: slices_of_shift(store.mesh, predicted, image),
+        folder,
+    )
+
+
+def _draw_worst(
+    store: Store, model: ModelErrors, predict: Predict, folder: Path
+) -> Picture:
+    sample = model.worst
+    case = store.load_case(sample.path, sample.level)
+    truth = store.displacement(sample.path)[sample.level].astype(np.float64)
+    predicted = predict(case, estimate=Estimate.QUICK).displacement
+    error = np.linalg.norm(truth - predicted, axis=1)
+    limits = (0.0, float(np.percentile(np.linalg.norm(truth, axis=1), SATURATED)))
+    errors = (0.0, float(np.percentile(error, SATURATED)))
+    view = View.of(store.mesh, case.nodes)
+
+    def render(
+        displacement: FloatArray,
+        values: FloatArray,
+        colours: Colormap,
+        ends: tuple[float, float],
+    ) -> Pixels:
+        return scenes.render_surface(
+            store.mesh, displacement, values, view=view, limits=ends, map=colours
+        )
+
+    images = (
+        render(truth, np.linalg.norm(truth, axis=1), DISPLACEMENT_MAP, limits),
+        render(predicted, np.linalg.norm(predicted, axis=1), DISPLACEMENT_MAP, limits),
+        render(predicted, error, ERROR_MAP, errors),
+    )
+
+    def figure() -> Figure:
+        titles = ("Finite elements", label(model.name), "Error of the prediction")
+        made, axes = _panels(images, titles)
+        _colour_bar(made, axes[:2], DISPLACEMENT_MAP, limits, "displacement, mm")
+        _colour_bar(made, axes[2:], ERROR_MAP, errors, "error, mm")
+        return made
+
+    return _save(
+        "worst_case",
+        f"The worst case of {len(model.samples)}: load path {sample.path} at "
+        f"{100 * sample.load_factor:.0f} % load. Mean error {sample.mean:.2g} mm, "
+        f"largest {sample.largest:.2g} mm (colours end at {errors[1]:.2g} mm).",
+        figure,
+        folder,
+    )
+
+
+def _panels(
+    images: tuple[Pixels, ...], titles: tuple[str, ...]
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure with one image beside the other, their margins cut off."""
+    cropped = _cropped(images)
+    rows, columns = cropped[0].shape[:2]
+    height = WIDTH / len(images) * rows / columns + AROUND_PANELS
+    made = Figure(figsize=(WIDTH, height), layout="constrained")
+    axes = [made.add_subplot(1, len(images), i + 1) for i in range(len(images))]
+    for panel, image, title in zip(axes, cropped, titles, strict=True):
+        panel.imshow(image)
+        panel.set_title(title, loc="center")
+        panel.axis("off")
+    return made, axes
+
+
+def _cropped(images: Iterable[Pixels]) -> list[Pixels]:
+    """Cut the margins that are empty in every image, so that all keep one scale."""
+    stack = np.stack(list(images))
+    drawn = np.any(stack[..., 3] > 0, axis=0)
+    rows, columns = (np.flatnonzero(np.any(drawn, axis=i)) for i in (1, 0))
+    return list(stack[:, rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
+
+
+def _colour_bar(
+    figure: Figure,
+    axes: list[Axes],
+    colours: Colormap,
+    limits: tuple[float, float],
+    text: str,
+) -> None:
+    scale = ScalarMappable(Normalize(*limits), colours)
+    figure.colorbar(
+        scale,
+        ax=axes,
+        orientation="horizontal",
+        label=text,
+        extend="max",
+        shrink=0.6 if len(axes) > 1 else 0.9,
+        aspect=30 if len(axes) > 1 else 22,
+        pad=0.03,
+    )
+
+
+def _save(
+    name: str, caption: str, figure: Callable[[], Figure], folder: Path
+) -> Picture:
+    """Draw a figure once a theme and save it."""
+    files = []
+    for theme in THEMES:
+        with mpl.rc_context(theme.settings()):
+            file = folder / f"{name}_{theme.name}.png"
+            figure().savefig(file, dpi=DPI, transparent=True)
+            files.append(file)
+    return Picture(name, caption, tuple(files))

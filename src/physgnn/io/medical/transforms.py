@@ -1,0 +1,78 @@
+"""Displacements as other programs read them: ITK transforms, NIfTI fields.
+
+To add a format, write a function and a row in ``FIELD_FORMATS``.
+"""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import SimpleITK as sitk
+
+from physgnn.errors import InputError
+from physgnn.imaging.field import DisplacementField
+from physgnn.imaging.transforms import (
+    resampling_transform,
+    to_itk_nifti,
+    to_ras_nifti,
+)
+from physgnn.io.atomic import whole_file
+from physgnn.io.medical.nifti import save_nifti
+
+TRANSFORM_SUFFIX = ".h5"
+
+
+def write_field(
+    path: str | Path, field: DisplacementField, *, convention: str | None = None
+) -> None:
+    """Write a displacement field.
+
+    Parameters
+    ----------
+    path : path
+        ``.h5`` for an ITK transform, else ``.nii`` or ``.nii.gz``.
+    field : DisplacementField
+        The inverse one for the conventions of ITK.
+    convention : str, optional
+        A row of ``FIELD_FORMATS``; by default ``"itk-transform"`` for .h5 and
+        ``"itk"`` for NIfTI, which 3D Slicer and ANTs apply as they are.
+
+    Raises
+    ------
+    InputError
+        If the name does not suit the convention, or the field is a forward one and the
+        convention wants the inverse.
+    """
+    path = Path(path)
+    is_transform = path.suffix == TRANSFORM_SUFFIX
+    name = convention or ("itk-transform" if is_transform else "itk")
+    if name not in FIELD_FORMATS:
+        raise InputError(
+            f"convention must be one of {', '.join(FIELD_FORMATS)} (got '{name}')"
+        )
+    if is_transform != (name == "itk-transform"):
+        raise InputError(
+            f"{path}: convention '{name}' is written as "
+            f"{'.nii.gz' if is_transform else TRANSFORM_SUFFIX}"
+        )
+    FIELD_FORMATS[name](path, field)
+
+
+def _write_transform(path: Path, field: DisplacementField) -> None:
+    transform = resampling_transform(field)
+    with whole_file(path) as part:
+        sitk.WriteTransform(transform, str(part))
+
+
+def _write_itk_nifti(path: Path, field: DisplacementField) -> None:
+    save_nifti(path, to_itk_nifti(field))
+
+
+def _write_ras_nifti(path: Path, field: DisplacementField) -> None:
+    save_nifti(path, to_ras_nifti(field))
+
+
+FIELD_FORMATS: Mapping[str, Callable[[Path, DisplacementField], None]] = {
+    "itk-transform": _write_transform,
+    "itk": _write_itk_nifti,
+    "ras": _write_ras_nifti,
+}

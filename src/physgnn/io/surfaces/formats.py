@@ -1,0 +1,66 @@
+"""Surfaces from STL, PLY, OBJ and VTP files.
+
+3D Slicer writes models in LPS and says so by the words SPACE=LPS in a comment, or a
+field of that name in VTP; such files are turned to RAS. Others are taken as they are.
+"""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from physgnn.errors import InputError
+from physgnn.geometry.surface import Surface
+from physgnn.imaging.transforms import points_to_ras
+from physgnn.io.surfaces.obj import read_obj
+from physgnn.io.surfaces.ply import read_ply
+from physgnn.io.surfaces.stl import read_stl
+from physgnn.io.vtk.reader import read_vtk
+from physgnn.io.vtk.vtp import read_vtp
+
+HEAD_BYTES = 4096
+
+SURFACE_READERS: Mapping[str, Callable[[Path], Surface]] = {
+    ".stl": read_stl,
+    ".ply": read_ply,
+    ".obj": read_obj,
+    ".vtp": read_vtp,
+}
+
+
+def read_surface(path: str | Path) -> Surface:
+    """Read a triangulated surface in mm; the format is the suffix's.
+
+    Polygons are cut into triangles and equal points made one, sorted by (x, y, z).
+    Whether the surface can be meshed is for `physgnn.geometry.check_surface` to say.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, of an unknown format, or not what its name says, or
+        holds no faces.
+    """
+    path = Path(path)
+    reader = SURFACE_READERS.get(path.suffix.lower())
+    if reader is None:
+        raise InputError(
+            f"{path}: a surface must be one of {', '.join(SURFACE_READERS)} "
+            f"(got '{path.suffix}')"
+        )
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    try:
+        surface = reader(path)
+        return Surface(points_to_ras(surface.points, _space(path)), surface.faces)
+    except InputError as error:
+        if str(error).startswith(str(path)):
+            raise
+        # what a surface must be is said without the file's name
+        raise InputError(f"{path}: {error}") from error
+
+
+def _space(path: Path) -> str:
+    """Return the axes that a file says it is in; RAS if it does not say."""
+    with path.open("rb") as file:
+        head = file.read(HEAD_BYTES)
+    if path.suffix.lower() == ".vtp" and b'Name="SPACE"' in head:
+        return str(read_vtk(path).field_data["SPACE"][0])
+    return "LPS" if b"SPACE=LPS" in head else "RAS"

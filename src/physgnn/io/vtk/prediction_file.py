@@ -1,0 +1,95 @@
+"""A predicted displacement read back, and the deformed body written."""
+
+from pathlib import Path
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from physgnn.arrays import FloatArray
+from physgnn.errors import InputError
+from physgnn.geometry.boundary import boundary_faces
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io.atomic import whole_file
+from physgnn.io.vtk.reader import read_vtk
+from physgnn.io.vtk.vtu import RAS, SPACE, read_mesh
+
+DISPLACEMENT = "displacement_mm"
+STATE, DEFORMED = "state", "deformed"
+
+
+def read_displacement(path: str | Path) -> tuple[TetMesh, FloatArray]:
+    """Read a mesh in its rest state and the displacement on its points, mm.
+
+    Parameters
+    ----------
+    path : path
+        VTU, as `physgnn predict` or `write_prediction` leaves it.
+
+    Raises
+    ------
+    InputError
+        If it is no mesh or has no point array ``displacement_mm``.
+    """
+    mesh = read_mesh(path)
+    grid = read_vtk(Path(path))
+    if STATE in grid.field_data:
+        raise InputError(
+            f"{path}: this body is deformed already; give the mesh at rest with its "
+            "displacement, as 'physgnn predict' or 'register' writes it unless told "
+            "otherwise"
+        )
+    arrays = grid.point_data
+    if DISPLACEMENT not in arrays or arrays[DISPLACEMENT].shape != mesh.points.shape:
+        have = ", ".join(arrays.keys()) or "none"
+        raise InputError(
+            f"{path}: needs a point array '{DISPLACEMENT}' of three components (it "
+            f"has: {have}); make it with 'physgnn predict'"
+        )
+    return mesh, np.asarray(arrays[DISPLACEMENT], dtype=np.float64)
+
+
+def write_deformed(path: str | Path, mesh: TetMesh, displacement: FloatArray) -> None:
+    """Write the body where it moves to: .vtu the mesh, .vtp its surfaces.
+
+    The point array ``displacement_mm`` leads back to the rest state; the cell array
+    ``region`` says whose surface a face is, 0 that of the whole brain. Unlike a rest
+    state, what is written may have cells turned inside out.
+
+    Raises
+    ------
+    InputError
+        If the name has another suffix or the folder is missing.
+    """
+    path = Path(path)
+    moved = mesh.points + displacement
+    if path.suffix == ".vtu":
+        body = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, moved)
+        body.cell_data["region"] = mesh.region
+    elif path.suffix == ".vtp":
+        faces, region = _surfaces(mesh)
+        body = pv.PolyData.from_regular_faces(moved, faces.astype(int))
+        body.cell_data["region"] = region
+    else:
+        raise InputError(
+            f"{path}: a deformed body is written as .vtu or .vtp (got '{path.suffix}')"
+        )
+    body.point_data[DISPLACEMENT] = displacement
+    body.field_data[STATE] = [DEFORMED]
+    body.field_data[SPACE] = [RAS]
+    if isinstance(body, pv.PolyData):
+        body = body.clean(point_merging=False)
+    with whole_file(path) as part:
+        body.save(part)
+
+
+def _surfaces(mesh: TetMesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Return the faces of the whole body and of every region inside, and whose."""
+    faces = [boundary_faces(mesh)]
+    labels = [0, *np.unique(mesh.region[mesh.region > 0]).tolist()]
+    for label in labels[1:]:
+        inside = mesh.region == label
+        part = TetMesh(mesh.points, mesh.cells[inside], mesh.region[inside])
+        faces.append(boundary_faces(part))
+    whose = np.repeat(labels, [len(f) for f in faces]).astype(np.int32)
+    return np.concatenate(faces), whose

@@ -1,0 +1,131 @@
+"""POD–Galerkin with hyper-reduction: the classical reduced model, as a yardstick.
+
+Modes of the training samples (proper orthogonal decomposition) span the body, the
+points around loaded ones are unknowns of their own, a few weighted cells stand for all
+(ECSW), and Newton's method finds the equilibrium in this space.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.arrays import FloatArray, IntArray
+from physgnn.dataset.storage.store import Store
+from physgnn.errors import InputError
+from physgnn.geometry.mesh_topology import points_within
+from physgnn.learning.surrogate import Arrays, Surrogate
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
+from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.mechanics.reduced.ecsw import cell_works, weigh_cells
+from physgnn.mechanics.reduced.galerkin import GalerkinBody
+from physgnn.mechanics.reduced.pod import leading_modes
+
+MAX_SNAPSHOTS = 600  # for the modes
+MAX_STATES = 24  # for the weights: (modes × states × cells) numbers in memory
+
+
+class GalerkinModel(Surrogate):
+    """Newton's method in the space of a few modes and the points near the loads.
+
+    Parameters
+    ----------
+    body : Body
+        What it's made for; its elements are tet4.
+    modes : int
+        How many.
+    reach : int
+        Points at most so many edges from a loaded one are unknowns themselves.
+    tolerance : float
+        Relative error of the weighted cells' work, in (0, 1).
+
+    Raises
+    ------
+    InputError
+        If an option is out of range.
+    """
+
+    elements = (DEFAULT_ELEMENT,)
+    zero_without_load = True
+
+    def __init__(
+        self, body: Body, *, modes: int = 64, reach: int = 1, tolerance: float = 0.01
+    ) -> None:
+        super().__init__(body)
+        if modes < 1 or reach < 0 or not 0 < tolerance < 1:
+            raise InputError(
+                "modes must be ≥ 1, reach ≥ 0 and tolerance in (0, 1) "
+                f"(got {modes}, {reach}, {tolerance})"
+            )
+        self.reach, self.tolerance = reach, tolerance
+        n = body.mesh.n_points
+        self.near = np.zeros(n, dtype=bool)
+        self.modes = np.zeros((modes, n, 3), dtype=np.float32)
+        self.weights = np.ones(body.mesh.n_cells, dtype=np.float32)
+        self._small: GalerkinBody | None = None
+
+    def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
+        """Find the modes and the weights."""
+        del seed
+        mesh, paths = store.mesh, np.unique(samples[:, 0])
+        nodes = np.concatenate([store.load_path(int(path)).nodes for path in paths])
+        near = points_within(mesh, np.unique(nodes), self.reach)
+        near[self.body.fixed] = False
+        modes = leading_modes(
+            np.where(near[:, None], 0.0, _states(store, samples, MAX_SNAPSHOTS)),
+            len(self.modes),
+        )
+        touching = near[mesh.cells].any(axis=1)
+        works = [
+            _scaled(cell_works(self.body.elements, u, modes.astype(np.float32)))
+            for u in _states(store, samples, MAX_STATES)
+        ]
+        weights = np.ones(mesh.n_cells)
+        weights[~touching] = weigh_cells(
+            np.concatenate([part[:, ~touching] for part in works]), self.tolerance
+        )
+        self.restore(
+            {
+                "near": near,
+                "modes": modes.astype(np.float32),
+                "weights": weights.astype(np.float32),
+            }
+        )
+
+    def arrays(self) -> Arrays:
+        """Return the points that are unknowns themselves, modes, and cells' weights."""
+        return {"near": self.near, "modes": self.modes, "weights": self.weights}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take points, modes and weights."""
+        self.near, self.modes = arrays["near"], arrays["modes"]
+        self.weights = arrays["weights"]
+        self._small = None
+
+    def predict(self, load_case: LoadCase) -> FloatArray:
+        """Return the equilibrium in the small space, (n_points, 3), mm."""
+        if self._small is None:
+            self._small = GalerkinBody(
+                self.body.elements,
+                self.weights.astype(np.float64),
+                np.flatnonzero(self.near),
+                self.modes.astype(np.float64),
+            )
+        force = load_case.on_points(self.body.mesh.n_points)
+        return self._small.solve(force)[0]
+
+
+def _states(store: Store, samples: IntArray, n_most: int) -> FloatArray:
+    """Return displacements of samples evenly spread, (n, n_points, 3), mm."""
+    picks = np.unique(np.linspace(0, len(samples) - 1, n_most).round().astype(int))
+    return np.stack(
+        [
+            store.displacement(path)[level].astype(np.float64)
+            for path, level in samples[picks].tolist()
+        ]
+    )
+
+
+def _scaled(works: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Let every state count the same."""
+    size = float(np.linalg.norm(works.sum(axis=1, dtype=np.float64)))
+    return (works / max(size, 1e-30)).astype(np.float32)

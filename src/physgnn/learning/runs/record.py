@@ -1,0 +1,132 @@
+"""What a run folder says about itself, in plain JSON."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from physgnn.dataset.splits.samples import Split
+from physgnn.errors import InputError
+from physgnn.learning.models import resolved_options
+from physgnn.learning.runs.folder import RunFolder
+from physgnn.learning.training.config import TrainingConfig
+from physgnn.learning.training.multi_mesh import Splits, Stores, members_of
+
+VERSIONED = ("physgnn", "torch", "lightning", "numpy")
+EXTENDABLE = {"clock", "max_epochs", "max_minutes", "memory_mb"}
+
+
+def new_record(
+    stores: Stores, splits: Splits, config: TrainingConfig
+) -> dict[str, Any]:
+    """Return what is known before training, on one dataset or on several."""
+    members = members_of(stores, splits)
+    options = resolved_options(config.model, config.options)
+    hashes = [member.store.content_hash() for member in members]
+    split = members[0].split
+    return {
+        "config": asdict(replace(config, options=options)),
+        "versions": {name: version(name) for name in VERSIONED},
+        "data": {
+            "path": str(members[0].store.path),
+            "paths": [str(member.store.path) for member in members],
+            "hash": hashes[0] if len(hashes) == 1 else _digest("".join(hashes)),
+            "meshes": [member.store.mesh.content_hash for member in members],
+        },
+        "split": {
+            "name": split.name,
+            "train": sum(len(member.split.train) for member in members),
+            "validation": sum(len(member.split.validation) for member in members),
+            "test": sum(len(member.split.test) for member in members),
+            "hash": _split_hash(split)
+            if len(members) == 1
+            else _digest("".join(_split_hash(member.split) for member in members)),
+        },
+    }
+
+
+def with_start(record: Mapping[str, Any], start: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the record of a run that begins with the weights of another.
+
+    The meshes that one was trained on count as its own.
+    """
+    data = record["data"]
+    meshes = dict.fromkeys([*data["meshes"], *trained_meshes(start)])
+    earlier = {name: start[name] for name in ("data", "training")}
+    return {**record, "data": {**data, "meshes": list(meshes)}, "start": earlier}
+
+
+def trained_meshes(record: Mapping[str, Any]) -> list[str]:
+    """Return the hashes of the meshes a run was trained on."""
+    return list(record["data"].get("meshes") or [record["mesh_hash"]])
+
+
+def with_result(
+    record: Mapping[str, Any], *, loss: float, spent: Mapping[str, float]
+) -> dict[str, Any]:
+    """Return the record with what training reached and what it cost.
+
+    Parameters
+    ----------
+    record : mapping
+        That of `new_record`.
+    loss : float
+        The lowest validation loss.
+    spent : mapping
+        Minutes by the wall clock, ``wall``, and of the processor, ``processor``.
+    """
+    training = {
+        "best_validation_loss": loss,
+        "minutes": round(spent["wall"], 3),
+        "processor_minutes": round(spent["processor"], 3),
+    }
+    return {**record, "training": training}
+
+
+def processor_minutes(record: Mapping[str, Any]) -> float:
+    """Return what a run's training took of the processor, all threads together.
+
+    Of runs that did not count it, their minutes by the wall clock.
+    """
+    training = record["training"]
+    return float(training.get("processor_minutes", training["minutes"]))
+
+
+def check_same_run(run: Path, record: Mapping[str, Any]) -> None:
+    """Raise InputError unless a run can be resumed with this record's data and config.
+
+    Only budget and memory may differ.
+    """
+    try:
+        earlier = json.loads(RunFolder(run).record.read_text())
+    except (OSError, ValueError) as error:
+        raise InputError(f"{run} holds no run to resume; start a new one") from error
+    for part, what in (("data", "hash"), ("split", "hash")):
+        if earlier[part][what] != record[part][what]:
+            raise InputError(
+                f"{run} was trained on another {part}; resume it with the same, or "
+                "start a new run"
+            )
+    # What an earlier version had no setting for was as it is by default.
+    new, old = record["config"], {**asdict(TrainingConfig()), **earlier["config"]}
+    for name in sorted(new.keys() - EXTENDABLE):
+        if new[name] != old.get(name):
+            raise InputError(
+                f"{run} was started with {name} = {old.get(name)} (got {new[name]}); "
+                "resume it with the same, or start a new run"
+            )
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _split_hash(split: Split) -> str:
+    parts = (split.train, split.validation, split.test)
+    rows = np.concatenate([np.append(part, [[-1, -1]], axis=0) for part in parts])
+    return hashlib.sha256(rows.astype("<i8").tobytes()).hexdigest()

@@ -1,0 +1,234 @@
+"""Training: a store and a split in, a run folder with the best weights out."""
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import torch
+import torch.distributed as dist
+from lightning.pytorch import Callback
+from torch import Tensor
+from torch.utils.data import default_collate
+
+from physgnn.errors import InputError
+from physgnn.io.atomic import whole_file
+from physgnn.learning.cpu import only_side_by_side
+from physgnn.learning.graph import graph_of
+from physgnn.learning.models import build_model, model_class
+from physgnn.learning.network import Network
+from physgnn.learning.physgnn.precision import set_precision
+from physgnn.learning.runs.checkpoint import Checkpoint
+from physgnn.learning.runs.folder import RunFolder
+from physgnn.learning.runs.model_card import write_model_card
+from physgnn.learning.runs.record import (
+    check_same_run,
+    new_record,
+    with_result,
+    with_start,
+)
+from physgnn.learning.training.batches import Samples, Share
+from physgnn.learning.training.budget import Budget
+from physgnn.learning.training.callbacks import KeepBest, MetricsFile, Report
+from physgnn.learning.training.config import TrainingConfig
+from physgnn.learning.training.devices import Machine, make_trainer, quiet
+from physgnn.learning.training.lightning_module import TrainingModule
+from physgnn.learning.training.losses import LOSSES
+from physgnn.learning.training.memory import samples_at_once
+from physgnn.learning.training.multi_mesh import (
+    Member,
+    Splits,
+    Stores,
+    build_models,
+    fitted_samples,
+    members_of,
+    training_batches,
+    validation_batches,
+)
+from physgnn.learning.training.sample_cache import SampleCache
+from physgnn.learning.training.schedules import SCHEDULES
+from physgnn.progress import Progress
+
+JUDGED_ON = 100  # validation samples, of what is fitted in one go; they decide nothing
+ONE_PROCESS = Machine()
+
+
+def train(
+    store: Stores,
+    split: Splits,
+    config: TrainingConfig,
+    run: str | Path,
+    *,
+    progress: Progress | None = None,
+    machine: Machine = ONE_PROCESS,
+    resume: bool = False,
+    start: Checkpoint | None = None,
+) -> Checkpoint:
+    """Train a model on the training part of a split, and save the run.
+
+    A network is trained step by step, and its weights with the lowest validation loss
+    are kept; every other surrogate is fitted in one go, and of the configuration model,
+    options, loss and seed count.
+
+    Parameters
+    ----------
+    store : Store or sequence of Store
+        The dataset, read lazily; or several, each of another body, for a model that
+        can learn from many. The run is then that of the first body.
+    split : Split or sequence of Split
+        One a dataset. Training and validation samples are used, never test samples.
+    config : TrainingConfig
+        How to train.
+    run : path
+        Folder for weights, record, mesh, metrics; every epoch leaves it usable.
+    progress : callable, optional
+        Told the part of the budget spent, in thousandths.
+    machine : Machine
+        Where to compute, in how many processes.
+    resume : bool
+        Continue from the last checkpoint, which is at most five minutes older than the
+        interruption; to rounding, the result is that of a run never interrupted.
+    start : Checkpoint, optional
+        Begin with its weights, of whatever body; both models must be able to share.
+
+    Returns
+    -------
+    Checkpoint
+        The best model.
+
+    Raises
+    ------
+    InputError
+        If the folder holds a run already (or, to resume, none, or another), or the
+        loss becomes NaN, or a sample needs more memory than allowed.
+    """
+    run = Path(run)
+    members = members_of(store, split)
+    record = new_record(store, split, config)
+    if not issubclass(model_class(config.model), Network):
+        if len(members) > 1 or resume or start is not None:
+            raise InputError(
+                f"model '{config.model}' is fitted to one body in one go: give one "
+                "dataset, and no run to resume or to begin with"
+            )
+        _prepare(run, record, resume=False)
+        return _fitted(members[0], config, run, record, progress)
+    if start is not None:
+        record = with_start(record, start.record)
+    _prepare(run, record, resume=resume)
+    budget = Budget(config)
+    with ExitStack() as stack:
+        stack.enter_context(_seeded(config.seed))
+        models = build_models(members, config, start.model if start else None)
+        for model in models:
+            set_precision(model, config.precision)
+        caches = [stack.enter_context(SampleCache(run)) for _ in models]
+        samples, held_out = fitted_samples(members, models, caches, config.seed)
+        best = KeepBest(
+            lambda loss: Checkpoint(
+                models[0], with_result(record, loss=loss, spent=budget.spent)
+            ).save(run)
+        )
+        callbacks = [budget, best, *_watchers(run, config, budget, progress)]
+        trainer = make_trainer(run, config, callbacks, machine)
+        share = Share(trainer.global_rank, trainer.world_size)
+        at_once = _at_once(samples, config)
+        stack.enter_context(only_side_by_side())
+        trainer.fit(
+            TrainingModule(models, config, at_once),
+            training_batches(samples, config.batch_size, config.seed, share),
+            validation_batches(held_out, at_once, share),
+            ckpt_path=RunFolder(run).state if resume else None,
+            weights_only=True,
+        )
+    if trainer.is_global_zero:
+        _finish(run, with_result(record, loss=best.loss, spent=budget.spent))
+    trainer.strategy.barrier()
+    return Checkpoint.load(run)
+
+
+def _fitted(
+    member: Member,
+    config: TrainingConfig,
+    run: Path,
+    record: dict[str, Any],
+    progress: Progress | None,
+) -> Checkpoint:
+    """Fit a surrogate in one go, judge it on some validation samples, save the run."""
+    store, split = member
+    budget = Budget(config)
+    model = build_model(config.model, store.body, **config.options)
+    model.fit(store, split.train, config.seed)
+    spent = budget.spent
+    every = max(len(split.validation) // JUDGED_ON, 1)
+    losses, samples = [], split.validation[::every].tolist()
+    for path, level in samples:
+        predicted = torch.tensor(model.predict(store.load_case(path, level)))
+        true = torch.tensor(store.displacement(path)[level])
+        losses.append(float(LOSSES[config.loss](predicted.float()[None], true[None])))
+        if progress is not None:
+            progress(len(losses), len(samples), "judging")
+    loss = sum(losses) / max(len(losses), 1)
+    Checkpoint(model, with_result(record, loss=loss, spent=spent)).save(run)
+    write_model_card(run)
+    return Checkpoint.load(run)
+
+
+@contextmanager
+def _seeded(seed: int) -> Iterator[None]:
+    """Draw random numbers from a seed, without trace in the caller's, and in quiet."""
+    with quiet(), torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        yield
+
+
+def _prepare(run: Path, record: dict[str, Any], *, resume: bool) -> None:
+    """Make the run's folder, with its record; InputError if what it holds won't do."""
+    files = RunFolder(run)
+    if resume:
+        check_same_run(run, record)
+        if not files.state.exists():
+            raise InputError(
+                f"{run} holds no run to resume: it has no {files.state.name}"
+            )
+    elif files.weights.exists() or files.state.exists():
+        raise InputError(f"{run} holds a run already: resume it, or name another")
+    else:
+        run.mkdir(parents=True, exist_ok=True)
+        with whole_file(files.record) as part:
+            part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
+
+
+def _finish(run: Path, record: dict[str, Any]) -> None:
+    Checkpoint(Checkpoint.load(run).model, record).save(run)
+    write_model_card(run)
+
+
+def is_first_process() -> bool:
+    """Return whether this is the one process, or the first of those that train."""
+    return not (dist.is_available() and dist.is_initialized()) or dist.get_rank() == 0
+
+
+def _at_once(parts: Sequence[Samples], config: TrainingConfig) -> int:
+    """Return how many samples to compute at once; the first of the largest body try."""
+    samples = max(
+        (part for part in parts if len(part)), key=lambda p: p.model.body.mesh.n_points
+    )
+    model, loss = samples.model, LOSSES[config.loss]
+
+    def forward(n_samples: int) -> Tensor:
+        inputs, true = default_collate([samples[i] for i in range(n_samples)])
+        return loss(model(inputs, graph_of(model.body)), true)
+
+    n = min(config.batch_size, len(samples))
+    return samples_at_once(model, forward, batch_size=n, limit_mb=config.memory_mb)
+
+
+def _watchers(
+    run: Path, config: TrainingConfig, budget: Budget, progress: Progress | None
+) -> list[Callback]:
+    """Return what follows the epochs: the learning rate, the records, the bar."""
+    schedule = SCHEDULES[config.schedule](config, budget)
+    file = MetricsFile(RunFolder(run).metrics, budget)
+    return [schedule, file, *([Report(progress, budget)] if progress else [])]

@@ -1,0 +1,52 @@
+"""Equilibria a body is known to have, and its answers there to a little more force."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from physgnn.arrays import FloatArray
+from physgnn.errors import InputError
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.linear.direct_solver import LinearSolver, factorized
+
+
+@dataclass(frozen=True, eq=False)
+class KnownState:
+    """A stable equilibrium under some load.
+
+    Attributes
+    ----------
+    displacement : (n_points, 3) array
+        mm.
+    respond : callable
+        From forces (n_points, 3) in N to K(u)⁻¹ f in mm.
+    """
+
+    displacement: FloatArray
+    respond: Callable[[FloatArray], FloatArray]
+
+    @classmethod
+    def of(cls, body: Body, displacement: FloatArray) -> "KnownState":
+        """Return a state that is factorised when its answer is first asked for."""
+        solver: LinearSolver | None = None
+
+        def respond(force: FloatArray) -> FloatArray:
+            nonlocal solver
+            solver = solver or _factorized(body, displacement)
+            pattern = body.pattern
+            return pattern.on_points(solver.solve(pattern.unknowns(force)))
+
+        return cls(displacement, respond)
+
+
+# From a load's forces (n_points, 3), N, to the known state under the nearest load.
+NearestKnown = Callable[[FloatArray], KnownState]
+
+
+def _factorized(body: Body, displacement: FloatArray) -> LinearSolver:
+    solver = factorized(body, displacement, precision="single")
+    if solver is None:
+        raise InputError(
+            "a state known as an equilibrium is not stable: fix at least three points "
+            "that are not in line, or train again"
+        )
+    return solver

@@ -1,0 +1,64 @@
+"""All loads of a path on one mesh: what pulls, and what is put in place."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from physgnn.arrays import FloatArray, IntArray
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.loads.paths import LoadPath, check_nodes
+from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
+
+
+class Loading:
+    """External force and prescribed places as functions of state and load factor.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    path : LoadPath
+    fixed : integer array
+        Fixed points.
+
+    Attributes
+    ----------
+    held : integer array
+        Points with prescribed displacement.
+
+    Raises
+    ------
+    InputError
+        If a load names a point that is missing or fixed, or two loads claim one point.
+    """
+
+    def __init__(self, mesh: TetMesh, path: LoadPath, fixed: IntArray) -> None:
+        prescribed = [m for m in path.more if isinstance(m, PrescribedDisplacement)]
+        self.held = np.concatenate([np.empty(0, int), *(p.nodes for p in prescribed)])
+        self._places = np.concatenate(
+            [np.empty((0, 3)), *(p.displacement for p in prescribed)]
+        )
+        if len(np.unique(self.held)) < len(self.held):
+            raise InputError("two prescribed displacements name the same point")
+        for load in path.more:
+            load.check_against(mesh)
+        check_nodes(self.held, mesh, fixed)
+        check_nodes(path.nodes, mesh, np.union1d(fixed, self.held))
+        self._dead = np.zeros((mesh.n_points, 3))
+        self._dead[path.nodes] = path.forces
+        self._more: list[Callable[[FloatArray, float], FloatArray]] = [
+            load.bind(mesh)
+            for load in path.more
+            if not isinstance(load, PrescribedDisplacement)
+        ]
+
+    def force(self, u: FloatArray, load_factor: float) -> FloatArray:
+        """External force on every point, (n_points, 3), N."""
+        total = load_factor * self._dead
+        for force in self._more:
+            total += force(u, load_factor)
+        return total
+
+    def place(self, u: FloatArray, load_factor: float) -> None:
+        """Put the held points where they belong."""
+        u[self.held] = load_factor * self._places

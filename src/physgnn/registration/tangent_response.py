@@ -1,0 +1,63 @@
+"""How a deformed body answers to a little more force: K(u)⁻¹ f."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.arrays import FloatArray
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.elements.tangent import assemble_tangent
+from physgnn.mechanics.elements.tet4 import internal_force
+from physgnn.mechanics.linear.direct_solver import make_linear_solver
+from physgnn.registration.skull import Support
+
+Fields = NDArray[np.float32]
+
+
+class TangentResponse:
+    """Linear elasticity about any state, in equilibrium or not.
+
+    Parameters
+    ----------
+    body : Body
+        What is loaded.
+    support : Support
+        How the skull holds its fixed points.
+    """
+
+    def __init__(self, body: Body, support: Support) -> None:
+        self._elements = body.elements
+        self._pattern = body.pattern_holding(support.held)
+        self._support = support
+        # Responses are kept in single precision: so may be their factor.
+        self._linear = make_linear_solver(self._pattern, precision="single")
+
+    def __call__(
+        self, displacement: FloatArray, forces: Fields
+    ) -> tuple[Fields, FloatArray] | None:
+        """Return the answers K(u)⁻¹ f and the way back −K(u)⁻¹ f_int(u), mm.
+
+        Under forces f a Newton step from u is the sum of the two.
+
+        Parameters
+        ----------
+        displacement : (n_points, 3) array
+            u, mm.
+        forces : (k, n_points, 3) array
+            N.
+
+        Returns
+        -------
+        (k, n_points, 3) float32 array, (n_points, 3) array, or None
+            None if a cell is inverted or K(u) not positive definite.
+        """
+        inner, inverted = internal_force(self._elements, displacement)
+        if inverted >= 0:
+            return None
+        self._support.add_force(displacement, inner)
+        data, _ = assemble_tangent(self._elements, self._pattern, displacement)
+        self._support.add_tangent(self._pattern, data)
+        if not self._linear.factorize(data):
+            return None
+        right = self._pattern.unknowns(np.concatenate([forces, -inner[None]]))
+        moved = self._pattern.on_points(self._linear.solve(right))
+        return moved[:-1].astype(np.float32), moved[-1]

@@ -1,0 +1,150 @@
+"""What a browser may say: every field checked, every mistake one line."""
+
+from collections.abc import Collection
+from typing import Annotated, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+)
+from pydantic_core import PydanticCustomError
+
+from physgnn.errors import InputError
+from physgnn.serving.scene.colours import FIELDS
+from physgnn.serving.scene.section import AXES
+
+MAX_BYTES = 4096
+MAX_FORCE_N = 1000.0
+MAX_RADIUS_MM = 200.0
+
+
+def _key_of(table: Collection[str]) -> AfterValidator:
+    """Return a check that a text is a key of a table, as the table is then."""
+
+    def check(name: str) -> str:
+        if name not in table:
+            known = " or ".join(f"'{key}'" for key in table)
+            raise PydanticCustomError(
+                "key", "Input should be {known}", {"known": known}
+            )
+        return name
+
+    return AfterValidator(check)
+
+
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Vector = tuple[Number, Number, Number]
+PredictorName = Literal["network", "linear"]
+FieldName = Annotated[str, _key_of(FIELDS)]
+Axis = Annotated[str, _key_of(AXES)]
+
+
+class _Message(BaseModel):
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+
+class Push(_Message):
+    """A force on a patch of the exposed surface, and what is wanted for it.
+
+    Attributes
+    ----------
+    id : int
+        Comes back with every answer to this push.
+    point : three floats
+        Centre of the patch at rest, mm.
+    force_n : three floats
+        Force on the whole patch, N, not zero.
+    radius_mm : float
+        Radius of the patch.
+    answers : list of str
+        Which predictors shall answer at once.
+    field : str
+        Which scalar comes with the displacement: a row of `fields.FIELDS`.
+    solve : bool
+        Whether finite elements shall follow in the background.
+    """
+
+    type: Literal["push"] = "push"
+    id: Annotated[int, Field(ge=0, lt=2**53)] = 0
+    point: Vector
+    force_n: Vector
+    radius_mm: Annotated[Number, Field(gt=0, le=MAX_RADIUS_MM)]
+    answers: Annotated[list[PredictorName], Field(min_length=1, max_length=2)]
+    field: FieldName = "displacement"
+    solve: bool = False
+
+
+class SectionPlane(_Message):
+    """A plane to cut the brain with, or none.
+
+    Attributes
+    ----------
+    axis : str or None
+        Which plane; None takes it away.
+    offset_mm : float
+        Where it meets its axis, world coordinates.
+    """
+
+    type: Literal["section"] = "section"
+    axis: Axis | None
+    offset_mm: Number = 0.0
+
+
+class Release(_Message):
+    """Let go: nothing more is wanted for the last push."""
+
+    type: Literal["release"] = "release"
+
+
+Message = Annotated[Push | SectionPlane | Release, Field(discriminator="type")]
+_READER: TypeAdapter[Push | SectionPlane | Release] = TypeAdapter(Message)
+
+
+def read_message(content: str | bytes) -> Push | SectionPlane | Release:
+    """Return a message from the browser.
+
+    Raises
+    ------
+    InputError
+        If it is too long, no JSON, or a field is missing, unknown or out of range.
+    """
+    if isinstance(content, bytes):
+        raise InputError("messages must be JSON text (got binary)")
+    if len(content) > MAX_BYTES:
+        raise InputError(
+            f"a message must have at most {MAX_BYTES} characters (got {len(content)})"
+        )
+    try:
+        message = _READER.validate_json(content)
+    except ValidationError as error:
+        raise InputError(_first(error)) from error
+    if isinstance(message, Push):
+        _check_force(message)
+    return message
+
+
+def read_push(content: str | bytes) -> Push:
+    """Return a message that must be a push; InputError if it is not."""
+    message = read_message(content)
+    if not isinstance(message, Push):
+        raise InputError(f"a push is wanted here (got {message.type})")
+    return message
+
+
+def _check_force(push: Push) -> None:
+    size = sum(component**2 for component in push.force_n) ** 0.5
+    if not 0 < size <= MAX_FORCE_N:
+        raise InputError(
+            f"force_n must be longer than 0 and at most {MAX_FORCE_N:g} N "
+            f"(got {size:g})"
+        )
+
+
+def _first(error: ValidationError) -> str:
+    what = error.errors(include_url=False, include_input=False)[0]
+    where = ".".join(str(part) for part in what["loc"] if part != "push")
+    return f"{where or 'message'}: {what['msg']}"

@@ -1,0 +1,1 @@
+"""What the page draws, and what it is coloured and pushed by."""

@@ -1,0 +1,116 @@
+"""A trained network made ready for a patient it never saw."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from physgnn.dataset.presets import Preset, find_preset
+from physgnn.errors import InputError
+from physgnn.geometry import TetMesh
+from physgnn.io import read_mesh
+from physgnn.stages.datasets.chosen_loads import chosen_preset
+
+
+@dataclass(frozen=True)
+class Adapted:
+    """What making ready took.
+
+    Attributes
+    ----------
+    n_points : int
+        Of the new mesh.
+    seconds : float
+        To find the equilibria to expand about and write the run.
+    coverage : float or None
+        What the error bounds promise; None if the run has none for new patients.
+    """
+
+    n_points: int
+    seconds: float
+    coverage: float | None
+
+
+def adapt(
+    run: str | Path,
+    case: str | Path,
+    out: str | Path,
+    *,
+    preset: str | None = None,
+    loads: str | Path | None = None,
+) -> Adapted:
+    """Make a trained network ready for a patient it never saw, in seconds.
+
+    Parameters
+    ----------
+    run : path
+        Folder of a lifted network trained with modes = 0, best on several bodies.
+    case : path
+        The new patient's mesh, VTU.
+    out : path
+        Folder for the new run.
+    preset : str, optional
+        A row of ``PRESETS``; or else `loads`. Its load paths say what loads to expect.
+    loads : path, optional
+        TOML with point sets, materials and loads: see `physgnn.config.simulation`.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, the network belongs to its mesh, the loads do not fit
+        the mesh, or the folder holds a run already.
+    """
+    return adapt_run(run, read_mesh(case), chosen_preset(preset, loads), out)
+
+
+def adapt_run(
+    run: str | Path, mesh: TetMesh, preset: str | Preset, out: str | Path
+) -> Adapted:
+    """Write a run folder that predicts on another mesh; nothing is trained.
+
+    Parameters
+    ----------
+    run : path
+        Folder of a lifted network trained with modes = 0, best on several bodies.
+    mesh : TetMesh
+        The new patient's.
+    preset : str or Preset
+        Where it's held and loaded, and what it's made of. Its load paths say what
+        loads to expect; they are not solved, but for a path under their mean.
+    out : path
+        Folder for the new run.
+
+    Raises
+    ------
+    InputError
+        If the network belongs to its mesh, the preset doesn't fit the mesh, or the
+        folder holds a run already.
+    """
+    from physgnn.learning.runs.adapt import adapt as adapted
+    from physgnn.learning.runs.checkpoint import Checkpoint
+    from physgnn.learning.runs.folder import RunFolder
+    from physgnn.mechanics.body import Body
+    from physgnn.prediction.error_bounds.calibration import Calibration
+    from physgnn.prediction.error_bounds.run_calibration import on_new_loads
+    from physgnn.prediction.error_bounds.trained_range import TrainedRange
+
+    run, out = Path(run), Path(out)
+    if RunFolder(out).record.exists():
+        raise InputError(f"{out} holds a run already: name another folder")
+    trained = Checkpoint.load(run)
+    is_family = len(trained.record["data"].get("meshes", ())) > 1
+    start = time.perf_counter()
+    preset = find_preset(preset) if isinstance(preset, str) else preset
+    mesh, paths = preset.on(mesh)
+    body = Body(mesh, preset.materials, element=preset.element)
+    cases = [path.case(path.n_levels - 1) for path in paths]
+    forces = np.stack([case.on_points(mesh.n_points) for case in cases])
+    adapted(trained, body, forces).save(out)
+    coverage, loads = None, TrainedRange.from_cases(cases)
+    for file in RunFolder(run).calibrations:
+        if is_family and file.is_file():
+            calibration = on_new_loads(Calibration.read(file), loads)
+            calibration.write(out / file.name)
+            coverage = calibration.coverage
+    return Adapted(mesh.n_points, time.perf_counter() - start, coverage)

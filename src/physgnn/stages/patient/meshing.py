@@ -1,0 +1,163 @@
+"""From surfaces, or a label map, to a mesh with its point sets."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from physgnn.errors import InputError
+from physgnn.geometry import (
+    Rule,
+    Surface,
+    TetMesh,
+    check_nested,
+    check_quality,
+    check_surface,
+    select,
+    tetrahedralize,
+)
+from physgnn.progress import Log, no_log
+
+MESHED_LABELS_POINTS = 10_000  # about how many points a label map's mesh has
+
+
+def mesh(
+    out: str | Path,
+    *,
+    segmentation: str | Path | None = None,
+    labels: str = "mask",
+    brain_mask: str | Path | None = None,
+    smoothing_mm: float | None = None,
+    closing_mm: float | None = None,
+    brain: str | Path | None = None,
+    tumour: Sequence[str | Path] = (),
+    mni152: bool = False,
+    sets: str | Path | None = None,
+    max_volume_mm3: float | None = None,
+    target_points: int | None = None,
+    quality_floor: float | None = None,
+    log: Log = no_log,
+) -> TetMesh:
+    """Fill surfaces, or a label map, with tetrahedra and name point sets.
+
+    Parameters
+    ----------
+    out : path
+        Where the mesh goes, VTU.
+    segmentation : path, optional
+        NIfTI label map; or else `brain`, or `mni152`.
+    labels, brain_mask, smoothing_mm, closing_mm
+        How the label map is read: see
+        `physgnn.stages.patient.segmentation.mesh_segmentation`.
+    brain : path, optional
+        Surface of the brain: STL, PLY, OBJ or VTP, in mm.
+    tumour : sequence of path
+        Surfaces inside the brain.
+    mni152 : bool
+        Take the bundled brain and tumour.
+    sets : path, optional
+        TOML with ``[point_sets.<name>]`` tables.
+    max_volume_mm3 : float, optional
+        Largest cell; by default the published rule.
+    target_points : int, optional
+        About how many points the mesh shall have.
+    quality_floor : float, optional
+        Smallest mean ratio a cell may have; see `physgnn.geometry.check_quality`.
+    log : callable
+        Told what was repaired, and the mesh's size and quality.
+
+    Raises
+    ------
+    InputError
+        If not exactly one body is given, or a file or an option cannot be used.
+    """
+    from physgnn.config import read_point_sets
+    from physgnn.io import write_mesh
+    from physgnn.io.atomic import check_folder
+    from physgnn.stages.patient.segmentation import mesh_segmentation
+
+    check_folder(Path(out))
+    if [mni152, brain is not None, segmentation is not None].count(True) != 1:
+        raise InputError("give a label map, --brain, or --mni152 for the bundled case")
+    shared: dict[str, Any] = {
+        "rules": {} if sets is None else read_point_sets(sets),
+        "quality_floor": quality_floor,
+        "log": log,
+    }
+    if segmentation is not None:
+        made = mesh_segmentation(
+            segmentation,
+            labels,
+            brain_mask=brain_mask,
+            target_points=target_points or MESHED_LABELS_POINTS,
+            smoothing_mm=smoothing_mm,
+            closing_mm=closing_mm,
+            **shared,
+        )
+    else:
+        surface, *inner = named_surfaces(brain, tumour)
+        size: dict[str, Any] = {
+            "max_volume_mm3": max_volume_mm3,
+            "target_points": target_points,
+        }
+        made = mesh_surfaces(surface, inner, **size, **shared)
+    write_mesh(out, made)
+    return made
+
+
+def named_surfaces(
+    brain: str | Path | None, tumours: Sequence[str | Path]
+) -> list[Surface]:
+    """Read the surfaces a user names, the brain first, or take the bundled ones."""
+    from physgnn.geometry import mni152_phantom
+    from physgnn.io import read_surface
+
+    if brain is not None:
+        return [read_surface(path) for path in (brain, *tumours)]
+    phantom = mni152_phantom()
+    return [phantom.brain, *phantom.tumours]
+
+
+def mesh_surfaces(
+    brain: Surface,
+    tumours: Sequence[Surface] = (),
+    *,
+    rules: Mapping[str, Rule] | None = None,
+    quality_floor: float | None = None,
+    log: Log = no_log,
+    **size: Any,
+) -> TetMesh:
+    """Check surfaces, fill them with tetrahedra, and name the point sets.
+
+    Parameters
+    ----------
+    brain, tumours : Surface
+        In mm; small faults are repaired, and logged.
+    rules : mapping of str to rule
+        Point sets by name.
+    quality_floor : float, optional
+        See `physgnn.geometry.check_quality`.
+    log : callable
+        Told what was repaired, and the mesh's size and quality.
+    **size
+        ``max_volume_mm3`` or ``target_points``; by default the published rule.
+
+    Raises
+    ------
+    InputError
+        If a surface cannot be meshed, a rule selects nothing, or a cell is too flat.
+    """
+    checked = []
+    for i, surface in enumerate([brain, *tumours]):
+        name = "brain" if i == 0 else f"tumour {i}"
+        surface, mended = check_surface(surface, name)
+        checked.append(surface)
+        for line in mended:
+            log(line)
+    check_nested(checked[0], checked[1:])
+    mesh = tetrahedralize(checked[0], checked[1:], log=log, **size)
+    floor = {} if quality_floor is None else {"floor": quality_floor}
+    log(str(check_quality(mesh, **floor)))
+    sets = {name: select(mesh, rule) for name, rule in (rules or {}).items()}
+    for name, ids in sets.items():
+        log(f"point set '{name}': {len(ids)} points")
+    return mesh.with_point_sets(**sets)

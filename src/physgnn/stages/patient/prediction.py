@@ -1,0 +1,70 @@
+"""From a load in a file to a displacement in a file."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from physgnn.bundled import BUNDLED_RUN
+
+if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
+    from physgnn.prediction.prediction import Prediction
+
+
+def predict(
+    run: str | Path | None,
+    load: str | Path,
+    out: str | Path,
+    *,
+    form: str | None = None,
+    image: str | Path | None = None,
+    tolerance_mm: float | None = None,
+    linear: bool = False,
+    precision: str = "float32",
+    estimate: str = "physical",
+) -> "Prediction":
+    """Answer a load case from a JSON file and write the displacement.
+
+    Parameters
+    ----------
+    run : path or None
+        Folder of a trained model; None takes the bundled one.
+    load : path
+        JSON.
+    out : path
+        Where the answer goes; its suffix decides in what form.
+    form : str, optional
+        A row of `physgnn.io.answer_files.FORMS`, where the suffix leaves a choice.
+    image : path, optional
+        NIfTI whose voxels an answer on voxels has; by default 2 mm around the body.
+    tolerance_mm : float, optional
+        See `physgnn.prediction.Predictor`.
+    linear : bool
+        Write the linear solution beside the prediction.
+    precision : {"float32", "bfloat16"}
+        See `physgnn.prediction.Predictor`.
+    estimate : {"physical", "quick"}
+        How the error is estimated; see `physgnn.prediction.Predictor`.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, or the answer not be written so.
+    """
+    from physgnn.io import read_load_case
+    from physgnn.io.answer_files import DisplacementFields, form_of
+    from physgnn.io.medical.nifti import read_image
+    from physgnn.learning.models import build_model
+    from physgnn.prediction.predictor import Predictor
+
+    write = form_of(out, form).write
+    grid = None if image is None else read_image(image).grid
+    predictor = Predictor.load(run or BUNDLED_RUN, precision=precision, warm=False)
+    body = predictor.body
+    case = read_load_case(load, body.mesh)
+    prediction = predictor(case, tolerance_mm=tolerance_mm, estimate=estimate)
+    fields = {"displacement_mm": prediction.displacement}
+    if linear:
+        solution = build_model("linear", body)
+        fields["linear_displacement_mm"] = solution.predict(case)
+    fields["force_n"] = case.on_points(body.mesh.n_points)
+    write(Path(out), DisplacementFields(body.mesh, fields, grid))
+    return prediction

@@ -1,0 +1,94 @@
+"""From an image and a displacement to the deformed image."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from physgnn.errors import InputError
+from physgnn.geometry.image import Image
+from physgnn.imaging import (
+    before_after,
+    folding,
+    forward_field,
+    inverse_field,
+    jacobian_image,
+    round_trip_mm,
+)
+from physgnn.imaging import warp as warped
+from physgnn.imaging.slices import middle_of_shift
+from physgnn.io.atomic import whole_file
+from physgnn.io.medical.nifti import read_image, read_segmentation, write_image
+from physgnn.io.medical.transforms import write_field
+from physgnn.io.vtk.prediction_file import read_displacement
+from physgnn.progress import Log, no_log
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def warp(
+    image: str | Path,
+    prediction: str | Path,
+    out: str | Path,
+    *,
+    labels: bool = False,
+    interpolation: str | None = None,
+    field: Sequence[str | Path] = (),
+    jacobian: str | Path | None = None,
+    slices: str | Path | None = None,
+    log: Log = no_log,
+) -> Image:
+    """Deform an image as a prediction says, and write what goes with it.
+
+    Parameters
+    ----------
+    image : path
+        NIfTI of the rest state.
+    prediction : path
+        VTU with the point array ``displacement_mm``.
+    out : path
+        NIfTI of the deformed state, on the same voxels.
+    labels : bool
+        The image is a label map.
+    interpolation : str, optional
+        See `physgnn.imaging.image_warping`.
+    field : sequence of path
+        Where the resampling transform goes: ``.h5`` and ``.nii.gz`` for ITK.
+    jacobian : path, optional
+        Where the map of det F goes, on the voxels of the rest state.
+    slices : path, optional
+        PNG of slices before, after and as a checkerboard.
+    log : callable
+        Told the round trip's error and what folds.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, or image and mesh do not meet.
+    """
+    mesh, u = read_displacement(prediction)
+    before = read_segmentation(image) if labels else read_image(image)
+    inverse = inverse_field(mesh, u, before.grid)
+    after = warped(before, inverse, interpolation=interpolation)
+    write_image(out, after)
+    error = round_trip_mm(forward_field(mesh, u, before.grid), inverse)
+    if len(error):
+        log(
+            f"round trip inside the brain: {error.mean():.4f} mm on average, "
+            f"{error.max():.3f} mm at most"
+        )
+    log(str(folding(mesh, u, inverse)))
+    for path in field:
+        write_field(path, inverse)
+    if jacobian is not None:
+        write_image(jacobian, jacobian_image(mesh, u, before.grid))
+    if slices is not None:
+        _save_figure(slices, before_after(before, after, middle_of_shift(mesh, u)))
+    return after
+
+
+def _save_figure(path: str | Path, figure: "Figure") -> None:
+    if Path(path).suffix != ".png":
+        raise InputError(f"{path}: slices are written as .png")
+    with whole_file(Path(path)) as part:
+        figure.savefig(part, dpi=120)

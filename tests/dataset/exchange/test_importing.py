@@ -1,0 +1,162 @@
+"""A store sent out and brought back is the same; what does not fit is named."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import febio_stand_in
+from physgnn.dataset import Store, generate, split_path
+from physgnn.dataset.exchange.exporting import (
+    export_arrays,
+    export_febio,
+    export_series,
+)
+from physgnn.dataset.exchange.importing import import_results
+from physgnn.errors import InputError
+from physgnn.io.febio.model_reader import read_febio
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.equilibrium.solver import Solver
+
+NewStore = Callable[..., Store]
+
+
+@pytest.fixture
+def solved(new_store: NewStore) -> Store:
+    store = new_store(n_paths=3)
+    generate(store)
+    return store
+
+
+def assert_same(imported: Store, store: Store) -> None:
+    assert imported.mesh.content_hash == store.mesh.content_hash
+    assert imported.materials == store.materials
+    assert np.array_equal(imported.load_factors, store.load_factors)
+    assert np.array_equal(imported.status, store.status)
+    assert np.array_equal(imported.fixed, store.fixed)
+    for i in range(store.n_paths):
+        ours, theirs = store.load_path(i), imported.load_path(i)
+        assert np.array_equal(theirs.nodes, ours.nodes)
+        assert np.allclose(theirs.forces, ours.forces, rtol=1e-15)
+        assert np.array_equal(imported.displacement(i), store.displacement(i))
+    assert imported.pending().tolist() == []
+
+
+def test_arrays(solved: Store, tmp_path: Path) -> None:
+    export_arrays(solved.path, tmp_path / "a.npz")
+    told: list[tuple[int, int, str]] = []
+    imported = import_results(
+        [tmp_path / "a.npz"],
+        tmp_path / "b.zarr",
+        materials=solved.materials,
+        progress=lambda *step: told.append(step),
+    )
+    assert_same(imported, solved)
+    assert imported.content_hash() == solved.content_hash()
+    assert imported.provenance["imported_from"] == [str(tmp_path / "a.npz")]
+    assert [step[:2] for step in told] == [(1, 3), (2, 3), (3, 3)]
+
+
+def test_series(solved: Store, tmp_path: Path) -> None:
+    folders = [tmp_path / f"path-{i}" for i in range(3)]
+    for i, folder in enumerate(folders):
+        export_series(solved.path, folder, path=i)
+    imported = import_results(folders, tmp_path / "b.zarr", materials=solved.materials)
+    assert_same(imported, solved)
+
+
+def test_febio(solved: Store, tmp_path: Path) -> None:
+    models = [tmp_path / f"path-{i}.feb" for i in range(3)]
+    for i, file in enumerate(models):
+        export_febio(solved.path, file, path=i)
+        run_stand_in(file)
+    imported = import_results(models, tmp_path / "b.zarr")
+    assert imported.materials == solved.materials
+    assert np.array_equal(imported.status, solved.status)
+    for i in range(3):
+        theirs, ours = imported.displacement(i), solved.displacement(i)
+        assert np.allclose(theirs, ours, rtol=1e-6, atol=1e-9)
+    assert len(split_path(imported).train) == 3
+
+
+def run_stand_in(file: Path) -> None:
+    model = read_febio(file)
+    solver = Solver(Body(model.mesh, model.materials, model.fixed))
+    assert model.log is not None
+    febio_stand_in.write_log(model.log, model, solver.solve(model.load_path))
+
+
+def test_a_path_that_ends_early_keeps_its_levels(solved: Store, tmp_path: Path) -> None:
+    folders = [tmp_path / f"path-{i}" for i in range(2)]
+    for i, folder in enumerate(folders):
+        export_series(solved.path, folder, path=i)
+    (folders[0] / "level-0002.vtu").unlink()
+    imported = import_results(folders, tmp_path / "b.zarr", materials=solved.materials)
+    assert imported.status.tolist() == [[0, 0, 3], [0, 0, 0]]
+    assert imported.message(0) == "stopped at load factor 0.6667"
+    assert not imported.displacement(0)[2].any()
+
+
+def test_what_does_not_fit_leaves_no_store(
+    solved: Store, new_store: NewStore, tmp_path: Path
+) -> None:
+    export_series(solved.path, tmp_path / "whole", path=0)
+    other = new_store("other", n_paths=1)
+    export_febio(other.path, tmp_path / "a.feb")
+    (tmp_path / "few.feb").write_text(without_log(tmp_path / "a.feb"))
+    export_arrays(solved.path, tmp_path / "a.npz")
+    arrays = dict(np.load(tmp_path / "a.npz"))
+    arrays["fixed"] = arrays["fixed"][1:]
+    np.savez(tmp_path / "held.npz", **arrays)
+    arrays["load_nodes"][0, 0] = arrays["fixed"][0]
+    np.savez(tmp_path / "pushed.npz", **arrays)
+    for sources, message in (
+        (["a.txt"], "expected .feb, .npz, a folder of .vtu files (got '.txt')"),
+        (["no.npz"], "no.npz: no such file"),
+        (["a.feb"], "a-displacement.log: cannot be read"),
+        (["few.feb"], 'needs <node_data data="ux;uy;uz"'),
+        (["whole", "held.npz"], "held.npz, load path 0: holds other points than"),
+        (["whole", "a.feb"], "a.feb: has other materials than"),
+        (["pushed.npz"], "pushed.npz, load path 0: loaded node"),
+    ):
+        with pytest.raises(InputError) as error:
+            import_results([tmp_path / s for s in sources], tmp_path / "b.zarr")
+        assert message in str(error.value)
+        assert "\n" not in str(error.value)
+        assert not list(tmp_path.glob("*b.zarr*"))
+    with pytest.raises(InputError, match="exists already: name another store"):
+        import_results([tmp_path / "a.npz"], solved.path)
+
+
+def without_log(model: Path) -> str:
+    text = model.read_text()
+    start, end = text.index("<node_data"), text.index("</logfile>")
+    return text[:start] + text[end:]
+
+
+def test_another_mesh(solved: Store, tmp_path: Path) -> None:
+    export_arrays(solved.path, tmp_path / "a.npz")
+    arrays = dict(np.load(tmp_path / "a.npz"))
+    arrays["points"] = arrays["points"] * 1.1
+    np.savez(tmp_path / "b.npz", **arrays)
+    with pytest.raises(InputError, match="load path 0: has another mesh than"):
+        import_results([tmp_path / "a.npz", tmp_path / "b.npz"], tmp_path / "b.zarr")
+
+
+def test_no_such_path(solved: Store, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"load path must be in 0…2 \(got 3\)"):
+        export_febio(solved.path, tmp_path / "a.feb", path=3)
+    with pytest.raises(InputError, match="a mesh needs --preset or --loads"):
+        export_febio(solved.path, tmp_path / "a.feb", preset="paper-1")
+
+
+def test_the_element_is_recorded(solved: Store, tmp_path: Path) -> None:
+    export_arrays(solved.path, tmp_path / "a.npz")
+    imported = import_results(
+        [tmp_path / "a.npz"], tmp_path / "b.zarr", element="tet4-averaged"
+    )
+    assert imported.element == "tet4-averaged"
+    with pytest.raises(InputError, match="element"):
+        import_results([tmp_path / "a.npz"], tmp_path / "c.zarr", element="hex8")
+    assert not (tmp_path / "c.zarr").exists()

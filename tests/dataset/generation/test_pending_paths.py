@@ -1,0 +1,143 @@
+"""Generation resumes after any end, does nothing twice, and answers alike anywhere."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from physgnn.dataset import Store, generate
+from physgnn.dataset.generation.pending_paths import solve_and_write
+from physgnn.errors import InputError
+from physgnn.mechanics.equilibrium.solution import Status
+from physgnn.mechanics.equilibrium.solver import Solver
+
+NewStore = Callable[..., Store]
+
+SLOWLY = """
+import sys, time
+from physgnn.dataset import Store, generate
+generate(Store.open(sys.argv[1]), progress=lambda *_: time.sleep(0.2))
+"""
+
+
+def modified(store: Store) -> dict[str, int]:
+    folder = store.path / "result"
+    return {str(f): f.stat().st_mtime_ns for f in folder.rglob("c/*") if f.is_file()}
+
+
+def test_every_path_is_solved_and_told(new_store: NewStore) -> None:
+    store, told = new_store(), []
+    result = generate(store, progress=lambda *step: told.append(step))
+    assert (result.solved, result.errors) == (5, {})
+    assert store.pending().tolist() == []
+    assert (store.status == 0).all()
+    assert (store.residual < 1e-3).all()
+    assert [step[:2] for step in told] == [(n, 5) for n in range(1, 6)]
+    assert told[-1][2] == "load path 4: converged"
+    alone = Solver(store.body).solve(store.load_path(3))
+    assert np.array_equal(store.displacement(3), alone.displacement.astype("f4"))
+
+
+def test_a_second_run_changes_nothing(new_store: NewStore) -> None:
+    store = new_store()
+    generate(store)
+    before = modified(store)
+    assert generate(store, workers=2).solved == 0
+    assert modified(store) == before
+
+
+def test_killed_and_resumed(new_store: NewStore) -> None:
+    """Kill -9 in the middle: what is done stays, the rest follows, nothing differs."""
+    store, whole = new_store("killed", 8), new_store("whole", 8)
+    run = subprocess.Popen([sys.executable, "-c", SLOWLY, str(store.path)])
+    deadline = time.monotonic() + 60
+    while len(store.pending()) > 5 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.kill(run.pid, signal.SIGKILL)
+    run.wait()
+    left = len(store.pending())
+    assert 0 < left <= 5
+    kept = modified(store)
+    assert generate(store).solved == left
+    after = modified(store)
+    finished = [f for f in kept if "status" in f]
+    assert {f: after[f] for f in finished} == {f: kept[f] for f in finished}
+    generate(whole)
+    assert store.content_hash() == whole.content_hash()
+
+
+def test_one_bad_path_does_not_stop_the_others(
+    new_store: NewStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store, solve = new_store(), Solver.solve
+
+    def fail_on_the_third(solver: Solver, path: Any) -> Any:
+        if path.forces[0, 2] == store.load_path(2).forces[0, 2]:
+            raise MemoryError("no room")
+        return solve(solver, path)
+
+    monkeypatch.setattr(Solver, "solve", fail_on_the_third)
+    result = generate(store)
+    assert result.solved == 4
+    assert result.errors == {2: "MemoryError: no room"}
+    assert store.pending().tolist() == [2]
+    monkeypatch.undo()
+    assert generate(store).solved == 1
+
+
+def test_an_impossible_load_is_recorded(new_store: NewStore) -> None:
+    store = new_store(force_n=10.0, n_paths=2)
+    result = generate(store)
+    assert (result.solved, result.errors) == (2, {})
+    assert (store.status[:, -1] != Status.CONVERGED).all()
+    assert (store.status != Status.NOT_SOLVED).all()
+    assert store.message(1).startswith("stopped at load factor")
+    assert (store.reached < 1).all()
+
+
+def test_somebody_elses_path_is_left_alone(new_store: NewStore) -> None:
+    store = new_store()
+    generate(store)
+    solver = Solver(store.body)
+    assert solve_and_write(store, solver, 1) == ("already there", "")
+
+
+@pytest.mark.slow
+def test_two_processes_one_of_them_killed(new_store: NewStore) -> None:
+    """The scheduler gives a dead worker's paths to others; the answer is the same."""
+    store, whole = new_store("two", 24), new_store("one", 24)
+    killed: list[int] = []
+
+    def kill_one(*step: Any) -> None:
+        if step[0] == 4:
+            from distributed import get_client
+
+            client = get_client()
+            pids = client.run(os.getpid)
+            killed.append(next(iter(pids.values())))
+            os.kill(killed[0], signal.SIGKILL)
+
+    result = generate(store, workers=2, progress=kill_one)
+    generate(whole)
+    assert killed
+    assert result.errors == {}
+    assert store.pending().tolist() == []
+    assert store.content_hash() == whole.content_hash()
+
+
+def test_refusals(new_store: NewStore) -> None:
+    store = new_store()
+    with pytest.raises(InputError, match="workers must be 1 or more"):
+        generate(store, workers=0)
+
+
+def test_no_scheduler(new_store: NewStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("physgnn.dataset.generation.cluster.TIMEOUT_SECONDS", 0.5)
+    with pytest.raises(InputError, match="no Dask scheduler answers at tcp://"):
+        generate(new_store(), scheduler="tcp://127.0.0.1:9")

@@ -1,0 +1,35 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from physgnn.errors import InputError
+from physgnn.geometry.measured_surface import SurfacePoints, farthest_points
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.2, 2.0))
+def test_all_points_are_near_a_chosen_one_and_those_apart(
+    seed: int, spacing: float
+) -> None:
+    points = np.random.default_rng(seed).normal(size=(60, 3))
+    chosen = points[farthest_points(points, spacing=spacing)]
+    apart = np.linalg.norm(points[:, None] - chosen[None], axis=2)
+    assert apart.min(axis=1).max() <= spacing
+    between = np.linalg.norm(chosen[:, None] - chosen[None], axis=2)
+    assert (between + np.eye(len(chosen)) * 9).min() > spacing
+
+
+def test_thinning_keeps_the_count_and_the_extent() -> None:
+    points = np.random.default_rng(0).normal(size=(500, 3))
+    thin = SurfacePoints(points).thinned(40)
+    assert len(thin.points) == 40
+    assert (np.ptp(thin.points, axis=0) > 0.9 * np.ptp(points, axis=0)).all()
+    few = SurfacePoints(points[:12])
+    assert few.thinned(40) is few
+
+
+def test_wrong_points_are_refused() -> None:
+    with pytest.raises(InputError, match="10 points or more"):
+        SurfacePoints(np.zeros((3, 3)))
+    with pytest.raises(InputError, match="finite"):
+        SurfacePoints(np.full((12, 3), np.nan))

@@ -1,0 +1,179 @@
+"""What the lifted network must be, whatever its weights."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from physgnn.dataset.splits.samples import Split
+from physgnn.dataset.storage.store import Store
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.graph import graph_of
+from physgnn.learning.lifted.model import LiftedModel, body_axes
+from physgnn.learning.models import build_model
+from physgnn.learning.runs.checkpoint import Checkpoint
+from physgnn.learning.training.config import TrainingConfig
+from physgnn.learning.training.train import train
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.linear.linear_elasticity import RestState
+from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.mechanics.materials import NeoHookean
+
+MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
+OPTIONS = {"anchors": 2, "reach": 2, "width": 8, "layers": 2, "modes": 3}
+
+
+def slab(block: TetMesh) -> TetMesh:
+    """The block, sheared and stretched: its principal axes are well apart."""
+    shear = np.array([[1.0, 0.2, 0.1], [0.0, 1.6, 0.3], [0.0, 0.0, 2.3]])
+    points = block.points @ shear.T + 0.01 * block.points**2
+    return TetMesh(points, block.cells, block.region, block.point_sets)
+
+
+def body_of(mesh: TetMesh) -> Body:
+    return Body(mesh, MATERIALS, mesh.point_set("fixed"))
+
+
+def load_of(mesh: TetMesh, scale: float = 1.0) -> LoadCase:
+    forces = np.array([[2.0, 1.0, -4.0], [-1.0, 2.0, -3.0]]) * 1e-2
+    return LoadCase(mesh.point_set("loaded")[4:6], scale * forces)
+
+
+def with_random_weights(model: LiftedModel) -> LiftedModel:
+    generator = torch.Generator().manual_seed(1)
+    with torch.no_grad():
+        for weight in model.parameters():
+            weight.copy_(0.3 * torch.randn(weight.shape, generator=generator))
+        shape = model.modes.shape
+        model.modes.copy_(0.1 * torch.randn(shape, generator=generator))
+    return model.eval()
+
+
+def predict(model: LiftedModel, load_case: LoadCase) -> Tensor:
+    with torch.no_grad():
+        answer: Tensor = model(model.encode(load_case)[None], graph_of(model.body))[0]
+    return answer
+
+
+@pytest.fixture(params=[0, 3], ids=["local only", "with modes"])
+def model(block: TetMesh, request: pytest.FixtureRequest) -> LiftedModel:
+    options = {**OPTIONS, "modes": request.param}
+    return with_random_weights(LiftedModel(body_of(slab(block)), **options))
+
+
+@pytest.fixture
+def fitted(store: Store, split: Split) -> LiftedModel:
+    model = LiftedModel(store.body, **OPTIONS)
+    model.fit(store, split.train)
+    return model
+
+
+def test_no_load_gives_no_displacement(model: LiftedModel) -> None:
+    inputs = torch.zeros(1, model.body.mesh.n_points, 12)
+    assert (model(inputs, graph_of(model.body)) == 0).all()
+
+
+def test_fixed_points_stay_put_exactly(model: LiftedModel) -> None:
+    answer = predict(model, load_of(model.body.mesh))
+    assert (answer[model.body.fixed] == 0).all()
+    assert answer.abs().max() > 0.1
+
+
+def test_small_loads_converge_to_the_linear_solution_at_second_order(
+    model: LiftedModel,
+) -> None:
+    mesh = model.body.mesh
+    rest = RestState(Body(mesh, MATERIALS))
+    scales = np.array([0.2, 0.1, 0.05, 0.025])
+    differences = []
+    for scale in scales:
+        case = load_of(mesh, scale)
+        linear = rest.solve(case.on_points(mesh.n_points))
+        differences.append(np.abs(predict(model, case).numpy() - linear).max())
+    rate = np.polyfit(np.log(scales), np.log(differences), 1)[0]
+    assert rate > 1.9
+
+
+def test_turning_body_and_load_turns_the_answer(model: LiftedModel) -> None:
+    mesh = model.body.mesh
+    turn, _ = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))
+    turn *= np.sign(np.linalg.det(turn))
+    points = mesh.points @ turn.T + 30.0
+    turned = TetMesh(points, mesh.cells, mesh.region, mesh.point_sets)
+    options = {**OPTIONS, "modes": len(model.modes)}
+    other = LiftedModel(body_of(turned), **options)
+    other.load_state_dict(model.state_dict())
+    case = load_of(mesh)
+    answer = predict(other.eval(), LoadCase(case.nodes, case.forces @ turn.T))
+    expected = predict(model, case).numpy() @ turn.T
+    np.testing.assert_allclose(answer.numpy(), expected, atol=1e-4)
+
+
+def test_node_order_does_not_matter(model: LiftedModel) -> None:
+    mesh = model.body.mesh
+    order = np.random.default_rng(0).permutation(mesh.n_points)
+    rank = np.argsort(order)
+    shuffled = TetMesh(
+        mesh.points[order],
+        rank[mesh.cells].astype(np.int32),
+        mesh.region,
+        {name: rank[ids] for name, ids in mesh.point_sets.items()},
+    )
+    options = {**OPTIONS, "modes": len(model.modes)}
+    other = LiftedModel(body_of(shuffled), **options)
+    state = model.state_dict()
+    for name in ("anchor_states", "modes"):
+        state[name] = state[name][:, order]
+    state["near"] = state["near"][order]
+    other.load_state_dict(state)
+    case = load_of(mesh)
+    answer = predict(other.eval(), LoadCase(rank[case.nodes], case.forces))
+    expected = predict(model, case).numpy()[order]
+    np.testing.assert_allclose(answer.numpy(), expected, atol=1e-4)
+
+
+def test_untrained_it_is_the_expansion(fitted: LiftedModel, store: Store) -> None:
+    fitted.coefficients = None
+    case = store.load_case(5, 3)
+    force = case.on_points(store.mesh.n_points) @ body_axes(store.mesh).T
+    expected = fitted.perturbation.expand(force).displacement @ body_axes(store.mesh)
+    np.testing.assert_allclose(predict(fitted, case).numpy(), expected, atol=1e-5)
+
+
+def test_fit_marks_only_points_near_loads_and_fills_modes(
+    fitted: LiftedModel, store: Store, split: Split
+) -> None:
+    loaded = {n for i in split.train[:, 0] for n in store.load_path(int(i)).nodes}
+    assert fitted.near[list(loaded)].all()
+    assert fitted.near.sum() < store.mesh.n_points
+    assert (fitted.modes[:, store.fixed] == 0).all()
+    assert fitted.anchor_states.abs().amax((1, 2)).gt(0).all()
+
+
+@pytest.mark.parametrize("modes", [0, 3])
+def test_a_trained_checkpoint_reloads_bit_for_bit(
+    store: Store, split: Split, tmp_path: Path, modes: int
+) -> None:
+    options = {**OPTIONS, "modes": modes}
+    config = TrainingConfig(
+        model="lifted", options=options, max_epochs=2, batch_size=4, learning_rate=1e-3
+    )
+    trained = train(store, split, config, tmp_path / "run").model
+    again = Checkpoint.load(tmp_path / "run").model
+    case = store.load_case(5, 3)
+    assert isinstance(trained, LiftedModel)
+    assert isinstance(again, LiftedModel)
+    assert torch.equal(predict(trained.eval(), case), predict(again, case))
+
+
+def test_size_is_a_few_tens_of_thousands(block: TetMesh) -> None:
+    model = LiftedModel(body_of(block))
+    assert 2e4 < sum(p.numel() for p in model.parameters()) < 6e4
+
+
+def test_refuses_options_out_of_range(block: TetMesh) -> None:
+    with pytest.raises(InputError, match="layers ≥ 1"):
+        build_model("lifted", body_of(block), layers=0)

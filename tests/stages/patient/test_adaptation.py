@@ -1,0 +1,114 @@
+"""From a family of patients to one never seen, through the commands' functions."""
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshes import block_mesh
+from physgnn.dataset import Preset, Store
+from physgnn.dataset.splits.meshes import split_meshes
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.runs.checkpoint import read_record
+from physgnn.learning.runs.folder import RunFolder
+from physgnn.learning.training.config import TrainingConfig
+from physgnn.mechanics.loads.sampling import traction_paths
+from physgnn.mechanics.materials import NeoHookean
+from physgnn.prediction import PredictionStatus, Predictor
+from physgnn.prediction.error_bounds.calibration import Calibration
+from physgnn.stages.datasets.simulation import simulate_mesh
+from physgnn.stages.networks.training import train_run
+from physgnn.stages.patient.adaptation import adapt_run
+
+PRESET = Preset(
+    {0: NeoHookean(3000.0, 0.4), 1: NeoHookean(7500.0, 0.4)},
+    partial(traction_paths, traction_pa=400.0, n_levels=3, n_paths=3),
+)
+CONFIG = TrainingConfig(
+    model="lifted",
+    options={"anchors": 2, "reach": 1, "width": 8, "layers": 1, "modes": 0},
+    max_epochs=2,
+    batch_size=4,
+)
+
+
+def patient(stretch: float, n: int = 3) -> TetMesh:
+    mesh = block_mesh(n, jitter=0.1)
+    points = mesh.points * [1.0, 1.3, stretch]
+    return TetMesh(points, mesh.cells, mesh.region, mesh.point_sets)
+
+
+@pytest.fixture(scope="module")
+def family(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a run trained on three patients of four, and their datasets."""
+    folder = tmp_path_factory.mktemp("family")
+    paths = [folder / f"{k}.zarr" for k in range(4)]
+    for path, stretch in zip(paths, (0.8, 1.7, 2.0, 2.4), strict=True):
+        simulate_mesh(patient(stretch), PRESET, path)
+    train_run(paths, None, CONFIG, folder / "run")
+    return folder
+
+
+def test_bounds_come_from_the_patients_held_out(family: Path) -> None:
+    stores = [Store.open(path) for path in sorted(family.glob("*.zarr"))]
+    held_out = [split for split in split_meshes(stores) if len(split.validation)]
+    for file in RunFolder(family / "run").calibrations:
+        calibration = Calibration.read(file)
+        n = calibration.n_paths
+        assert n == len(held_out) == 1
+        assert calibration.coverage == pytest.approx(n / (n + 1))
+        assert calibration.mean_factor > 0
+    record = read_record(family / "run")
+    assert len(set(record["data"]["meshes"])) == len(stores)
+
+
+def test_a_new_patient_has_answers_and_bounds_at_once(
+    family: Path, tmp_path: Path
+) -> None:
+    mesh = patient(1.5, n=4)
+    made = adapt_run(family / "run", mesh, PRESET, tmp_path / "new")
+    assert made.n_points == mesh.n_points
+    predictor = Predictor.load(tmp_path / "new")
+    store, _ = simulate_mesh(mesh, PRESET, tmp_path / "truth.zarr")
+    for path, level in store.samples():
+        case = store.load_case(path, level)
+        prediction = predictor(case)
+        truth = store.displacement(path)[level]
+        error = np.linalg.norm(prediction.displacement - truth, axis=1)
+        assert error.max() < 0.1 * np.linalg.norm(truth, axis=1).max()
+        assert prediction.status == PredictionStatus.OK
+        assert prediction.error_estimate_mm is not None
+        sharper = predictor(case, estimate="physical").error_estimate_mm
+        assert sharper is not None
+        assert sharper.coverage == prediction.error_estimate_mm.coverage
+    strong = replace(case, forces=3 * case.forces)
+    assert predictor(strong).status == PredictionStatus.OUTSIDE_TRAINED_RANGE
+    with pytest.raises(InputError, match="holds a run already"):
+        adapt_run(family / "run", mesh, PRESET, tmp_path / "new")
+
+
+def test_a_network_of_one_patient_has_no_bounds_for_another(
+    family: Path, tmp_path: Path
+) -> None:
+    train_run(family / "0.zarr", None, CONFIG, tmp_path / "own")
+    made = adapt_run(tmp_path / "own", patient(1.5), PRESET, tmp_path / "new")
+    assert made.coverage is None
+    assert not RunFolder(tmp_path / "new").calibration.exists()
+
+
+def test_training_goes_on_from_the_family(family: Path, tmp_path: Path) -> None:
+    run = tmp_path / "tuned"
+    config = replace(CONFIG, options={}, max_epochs=1)
+    tuned = train_run(family / "0.zarr", None, config, run, start=family / "run")
+    assert tuned.record["config"]["options"].items() >= dict(CONFIG.options).items()
+    assert len(tuned.record["data"]["meshes"]) == 4
+    assert Predictor.load(run).calibration is not None
+
+
+def test_several_datasets_have_one_split_only(family: Path, tmp_path: Path) -> None:
+    paths = sorted(family.glob("*.zarr"))
+    with pytest.raises(InputError, match="split mesh only"):
+        train_run(paths, "path", CONFIG, tmp_path / "run")
