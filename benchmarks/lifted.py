@@ -46,7 +46,7 @@ def median_ms(
 
 def parts(model: LiftedModel) -> dict[str, Callable[[LoadCase], object]]:
     n = model.body.mesh.n_points
-    terms = model.perturbation
+    terms = model.expansion
 
     def first(case: LoadCase) -> object:
         force = case.on_points(n)

@@ -28,7 +28,7 @@ from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics import LoadCase, LoadPath, Solver, Status
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
 from physgnn.mechanics.loads.sampling import (
     cone_paths,
     equal_levels,
@@ -121,12 +121,12 @@ class Bold:
 
     def __init__(self, model: Surrogate, mm: float) -> None:
         body, known = model.body, model.reference_states()
-        self._approach = Approach(body, known=known)
+        self._warm_start = WarmStartSolver(body, known=known)
         self._within = mm / SAFETY
 
     def __call__(self, case: LoadCase, guess: np.ndarray) -> np.ndarray | None:
         """Return the equilibrium next to a guess, if there is one."""
-        found = self._approach.solve(case, guess, tolerance_mm=self._within)
+        found = self._warm_start.solve(case, guess, tolerance_mm=self._within)
         return found.displacement if found.origin == "guess" else None
 
 

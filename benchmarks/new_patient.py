@@ -19,11 +19,11 @@ import torch
 from physgnn.dataset import Store, named_split
 from physgnn.dataset.training_loads import sample_forces
 from physgnn.learning.baselines.linear import Linear
-from physgnn.learning.runs.adapt import adapt
+from physgnn.learning.runs.adaptation import adapt
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.surrogate import Surrogate
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 from tables import machine, table
 
 DONE = "tuned"  # a file that says so

@@ -16,7 +16,7 @@ from physgnn.dataset import SPLITS, Split, Store
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.record import processor_minutes
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 from physgnn.prediction.error_bounds.run_calibration import calibrate_run
 
 THINNED = 8  # every eighth validation sample: validating costs more than this budget

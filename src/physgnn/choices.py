@@ -8,7 +8,7 @@ would import torch and compiled kernels first.
 from enum import StrEnum
 
 
-class Preset(StrEnum):
+class PresetName(StrEnum):
     """Where a body is held and loaded: rows of `physgnn.dataset.PRESETS`."""
 
     PAPER_1 = "paper-1"
@@ -17,7 +17,7 @@ class Preset(StrEnum):
     FAMILY = "family"
 
 
-class Solver(StrEnum):
+class SolverName(StrEnum):
     """What solves load paths: rows of `physgnn.dataset.SOLVERS`."""
 
     PHYSGNN = "physgnn"
@@ -31,7 +31,7 @@ class Element(StrEnum):
     TET4_AVERAGED = "tet4-averaged"
 
 
-class Split(StrEnum):
+class SplitName(StrEnum):
     """Which samples are held out: rows of `physgnn.dataset.SPLITS`, and ``mesh``."""
 
     PUBLISHED = "published"
@@ -40,7 +40,7 @@ class Split(StrEnum):
     MESH = "mesh"
 
 
-class Loss(StrEnum):
+class LossName(StrEnum):
     """What training makes small: rows of `physgnn.learning.training.losses.LOSSES`."""
 
     MEAN_EUCLIDEAN = "mean_euclidean"
@@ -67,7 +67,7 @@ class Clock(StrEnum):
     PROCESSOR = "processor"
 
 
-class Precision(StrEnum):
+class PrecisionName(StrEnum):
     """Of PhysGNN's LSTMs: rows of `physgnn.learning.physgnn.precision.PRECISIONS`."""
 
     FLOAT32 = "float32"

@@ -15,14 +15,14 @@ from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 
 PROGRAM = """
 import sys, torch
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.learning.training.devices import Machine
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 from physgnn.learning.training.config import TrainingConfig
 
 torch.set_num_threads(1)

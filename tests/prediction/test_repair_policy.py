@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.relaxation import Relaxation
 from physgnn.mechanics.loads.paths import LoadCase
-from physgnn.prediction.prediction import ErrorEstimate, LikelyError
+from physgnn.prediction.prediction import ErrorBound, LikelyError
 from physgnn.prediction.repair_policy import (
     AIM,
     DEEPEST,
@@ -105,7 +105,7 @@ def test_good_enough_is_below_the_tolerance_by_bound_and_by_estimate(
     bound: float, likely: float, tolerance: float
 ) -> None:
     enough = good_enough(
-        ErrorEstimate(bound, bound, 0.9), LikelyError(likely, likely), tolerance
+        ErrorBound(bound, bound, 0.9), LikelyError(likely, likely), tolerance
     )
     assert enough == (bound <= tolerance and WRONG_BY * likely <= tolerance)
     assert not good_enough(None, LikelyError(likely, likely), tolerance)

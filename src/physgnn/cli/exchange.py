@@ -7,7 +7,7 @@ import typer
 
 from physgnn import choices, stages
 from physgnn.cli.console import progress, working
-from physgnn.cli.options import Loads, Materials, Preset
+from physgnn.cli.options import LoadsOption, Materials, PresetOption
 
 
 def export(
@@ -39,8 +39,8 @@ def export(
     onnx: Annotated[
         Path | None, typer.Option(help="Write a run's network, .onnx, to this file.")
     ] = None,
-    preset: Preset = None,
-    loads: Loads = None,
+    preset: PresetOption = None,
+    loads: LoadsOption = None,
     path: Annotated[
         int, typer.Option(min=0, help="Write this load path, counted from 0.")
     ] = 0,

@@ -7,7 +7,7 @@ import typer
 
 from physgnn import choices, stages
 from physgnn.cli.console import progress, say, working
-from physgnn.cli.options import OutFolder, Precision
+from physgnn.cli.options import OutFolder, PrecisionOption
 
 
 def reproduce(
@@ -71,13 +71,13 @@ def ablate(
         int, typer.Option(help="Train this many networks of each configuration.")
     ] = 3,
     split: Annotated[
-        choices.Split, typer.Option(help="Hold out samples this way.")
-    ] = choices.Split.PUBLISHED,
+        choices.SplitName, typer.Option(help="Hold out samples this way.")
+    ] = choices.SplitName.PUBLISHED,
     width: Annotated[
         int,
         typer.Option(help="Give the networks this width; the published one is 112."),
     ] = 112,
-    precision: Precision = choices.Precision.FLOAT32,
+    precision: PrecisionOption = choices.PrecisionName.FLOAT32,
 ) -> None:
     """Compare configurations 1 to 12 at a reduced budget; call it again to resume."""
     with progress("ablation") as move:

@@ -14,14 +14,14 @@ OutFolder = Annotated[
     Path, typer.Option("--out", "-o", help="The folder to write the results to.")
 ]
 Run = Annotated[Path, typer.Argument(help="The folder of a trained model.")]
-Preset = Annotated[
-    choices.Preset | None,
+PresetOption = Annotated[
+    choices.PresetName | None,
     typer.Option(
         help="Take fixed points, materials and loads from this published or bundled "
         "set-up."
     ),
 ]
-Loads = Annotated[
+LoadsOption = Annotated[
     Path | None,
     typer.Option(
         help="Take point sets, materials and loads from this TOML file, such as "
@@ -35,8 +35,8 @@ Materials = Annotated[
         "file; otherwise the published ones are used."
     ),
 ]
-Precision = Annotated[
-    choices.Precision,
+PrecisionOption = Annotated[
+    choices.PrecisionName,
     typer.Option(
         help="Compute the largest products in this precision. Only PhysGNN has "
         "bfloat16: it is quicker and rougher."

@@ -7,7 +7,7 @@ import typer
 
 from physgnn import stages
 from physgnn.cli.console import progress, working
-from physgnn.cli.options import Loads, OutFolder, Preset
+from physgnn.cli.options import LoadsOption, OutFolder, PresetOption
 
 
 def anatomies(
@@ -34,8 +34,8 @@ def adapt(
     ],
     case: Annotated[Path, typer.Argument(help="The new patient's mesh, VTU.")],
     out: OutFolder,
-    preset: Preset = None,
-    loads: Loads = None,
+    preset: PresetOption = None,
+    loads: LoadsOption = None,
 ) -> None:
     """Make a trained network ready for a patient it never saw, in seconds."""
     with working("finding equilibria"):

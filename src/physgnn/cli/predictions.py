@@ -7,7 +7,7 @@ import typer
 
 from physgnn import choices, stages
 from physgnn.cli.console import progress, working
-from physgnn.cli.options import Displacement, Form, Grid, Precision
+from physgnn.cli.options import Displacement, Form, Grid, PrecisionOption
 
 
 def evaluate(
@@ -19,11 +19,11 @@ def evaluate(
         ),
     ],
     split: Annotated[
-        choices.Split,
+        choices.SplitName,
         typer.Option(
             help="Test on the samples that this split holds out; mesh needs --store."
         ),
-    ] = choices.Split.PATH,
+    ] = choices.SplitName.PATH,
     store: Annotated[
         Path | None,
         typer.Option(
@@ -52,7 +52,7 @@ def evaluate(
             "the last run's.",
         ),
     ] = None,
-    precision: Precision = choices.Precision.FLOAT32,
+    precision: PrecisionOption = choices.PrecisionName.FLOAT32,
 ) -> None:
     """Measure trained networks on held-out samples: tables, figures, report."""
     with progress("evaluating") as move:
@@ -94,7 +94,7 @@ def predict(
     linear: Annotated[
         bool, typer.Option("--linear", help="Write the linear solution beside it.")
     ] = False,
-    precision: Precision = choices.Precision.FLOAT32,
+    precision: PrecisionOption = choices.PrecisionName.FLOAT32,
     estimate: Annotated[
         choices.Estimate,
         typer.Option(

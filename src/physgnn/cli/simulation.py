@@ -7,7 +7,7 @@ import typer
 
 from physgnn import choices, stages
 from physgnn.cli.console import progress, say, working
-from physgnn.cli.options import Loads, OutFile, Preset
+from physgnn.cli.options import LoadsOption, OutFile, PresetOption
 
 SHOWN_REMARKS, SHOWN_ERRORS = 20, 3
 
@@ -103,8 +103,8 @@ def simulate(
     out: Annotated[
         Path, typer.Option("--out", "-o", help="The dataset to make, or to complete.")
     ],
-    preset: Preset = None,
-    loads: Loads = None,
+    preset: PresetOption = None,
+    loads: LoadsOption = None,
     workers: Annotated[
         int | None,
         typer.Option(
@@ -121,8 +121,8 @@ def simulate(
         ),
     ] = None,
     solver: Annotated[
-        choices.Solver, typer.Option(help="Solve by this program.")
-    ] = choices.Solver.PHYSGNN,
+        choices.SolverName, typer.Option(help="Solve by this program.")
+    ] = choices.SolverName.PHYSGNN,
 ) -> None:
     """Solve load paths by finite elements; call it again to resume."""
     with progress("simulating") as move:

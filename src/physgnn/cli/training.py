@@ -37,7 +37,7 @@ def train(
         typer.Option(help="Take this configuration of the published network, 1 to 12."),
     ] = None,
     split: Annotated[
-        choices.Split | None,
+        choices.SplitName | None,
         typer.Option(
             help="Hold out samples this way: whole load paths (the default), loaded "
             "nodes, as published, or, of several datasets, whole meshes."
@@ -48,7 +48,7 @@ def train(
         typer.Option("--from", help="Begin with the weights of this run."),
     ] = None,
     loss: Annotated[
-        choices.Loss | None,
+        choices.LossName | None,
         typer.Option(
             help="Make this small in training; by default the published "
             "mean_euclidean, the mean length of the nodal error."
@@ -75,7 +75,7 @@ def train(
         ),
     ] = None,
     precision: Annotated[
-        choices.Precision | None,
+        choices.PrecisionName | None,
         typer.Option(
             help="Compute the largest products in this precision. Only PhysGNN has "
             "bfloat16: it is quicker and rougher."

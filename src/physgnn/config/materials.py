@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Tag
 
-from physgnn.config.tables import TAG, Table, read_as, read_toml, variants
+from physgnn.config.tables import TAG, ConfigTable, read_as, read_toml, variants
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.errors import InputError
 from physgnn.mechanics.materials import TISSUES, Material, NeoHookean
@@ -40,7 +40,7 @@ def _by_region(materials: Mapping[str, Material]) -> dict[int, Material]:
     return {region_of(name): material for name, material in materials.items()}
 
 
-class ByTissue(Table):
+class ByTissue(ConfigTable):
     """A material by the name of a tissue, and nothing beside it."""
 
     tissue: Literal[tuple(TISSUES)]  # type: ignore[valid-type]

@@ -26,7 +26,7 @@ c1_pa = 1000
 c2_pa = 250
 bulk_modulus_pa = 120_000
 
-[loads]                       # forces drawn at random, see Loads
+[loads]                       # forces drawn at random, see LoadsTable
 total_force_n = 5.0           # without it there is one path, of levels steps
 
 [[loads.more]]                # more loads, on every path: see MORE_LOADS
@@ -50,7 +50,7 @@ from pydantic_core import PydanticCustomError
 
 from physgnn.config.materials import MATERIALS, region_of
 from physgnn.config.point_sets import RULES_BY_NAME
-from physgnn.config.tables import Table, read_as, read_toml, variants
+from physgnn.config.tables import ConfigTable, read_as, read_toml, variants
 from physgnn.dataset.load_rules import (
     MORE_LOADS,
     MeasuredPlaces,
@@ -68,7 +68,7 @@ from physgnn.mechanics.loads.sampling import cone_paths
 POINT_SETS = ("fixed", "loaded")
 
 
-class Loads(Table):
+class LoadsTable(ConfigTable):
     """The ``[loads]`` table: see `physgnn.mechanics.loads.sampling.cone_paths`.
 
     Attributes
@@ -127,14 +127,14 @@ class Loads(Table):
         return partial(with_more, paths=forces, more=more) if more else forces
 
 
-class Simulation(Table):
+class SimulationTable(ConfigTable):
     """The whole file."""
 
     element: Annotated[str, AfterValidator(checked_element)] = DEFAULT_ELEMENT
     remove_region: Annotated[int, BeforeValidator(region_of)] | None = None
     point_sets: RULES_BY_NAME = Field(default_factory=dict)
     materials: MATERIALS = Field(default_factory=dict)
-    loads: Loads
+    loads: LoadsTable
 
     @model_validator(mode="after")
     def _uses_its_point_sets(self) -> Self:
@@ -159,7 +159,7 @@ def read_preset(path: str | Path) -> Preset:
     InputError
         If the file cannot be read, or a key or value is wrong.
     """
-    file: Simulation = read_as(Simulation, read_toml(path), path)
+    file: SimulationTable = read_as(SimulationTable, read_toml(path), path)
     rules: dict[str, Any] = dict(file.point_sets)
     sets = {name: rules.pop(name, None) for name in POINT_SETS}
     return Preset(

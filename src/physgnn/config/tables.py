@@ -54,7 +54,7 @@ WORDS = {
 }
 
 
-class Table(BaseModel):
+class ConfigTable(BaseModel):
     """A TOML table: its keys are known, its values are what they look like."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
@@ -90,7 +90,7 @@ def read_as(kind: Any, table: Any, file: str | Path, *, at: Place = ()) -> Any:
     Parameters
     ----------
     kind : type
-        A `Table`, or any other type that pydantic knows.
+        A `ConfigTable`, or any other type that pydantic knows.
     table : any
         The table, as `read_toml` returns it.
     file : path
@@ -173,7 +173,7 @@ def _model(
     for field in fields(cls):
         hint = types.get(hints[field.name], _numbers(hints[field.name]))
         columns[field.name] = (hint, _default(field))
-    return create_model(cls.__name__, __base__=Table, **columns)
+    return create_model(cls.__name__, __base__=ConfigTable, **columns)
 
 
 def _default(field: Any) -> Any:

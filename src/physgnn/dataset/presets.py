@@ -14,7 +14,7 @@ from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
 from physgnn.geometry.regions import BRAIN, REGIONS, TUMOUR
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
-from physgnn.mechanics.loads.patch_sampling import push_paths
+from physgnn.mechanics.loads.patch_sampling import patch_load_paths
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.sampling import (
     all_node_paths,
@@ -87,13 +87,13 @@ BRAIN_AND_TUMOUR: Mapping[int, Material] = {
 PUBLISHED_FIXED = HalfSpace((20.0, 0.0), (80.0, 90.0, 120.0), "<", 265.0)
 
 PRESETS: Mapping[str, Preset] = {
-    choices.Preset.PAPER_1: Preset(
+    choices.PresetName.PAPER_1: Preset(
         BRAIN_AND_TUMOUR,
         partial(single_node_paths, force_n=1.35, n_levels=30),
         fixed=PUBLISHED_FIXED,
         loaded=HalfSpace((15.0, 20.0), (80.0, 110.0, 130.0), ">", 275.5),
     ),
-    choices.Preset.PAPER_2: Preset(
+    choices.PresetName.PAPER_2: Preset(
         BRAIN_AND_TUMOUR,
         partial(all_node_paths, total_force_n=20.0, n_levels=30, n_paths=165),
         fixed=PUBLISHED_FIXED,
@@ -101,10 +101,10 @@ PRESETS: Mapping[str, Preset] = {
     ),
     # A craniotomy over the tumour of the bundled MNI152 case; skull over the rest. The
     # smallest patches are one node.
-    choices.Preset.DEMO: Preset(
+    choices.PresetName.DEMO: Preset(
         BRAIN_AND_TUMOUR,
         partial(
-            push_paths,
+            patch_load_paths,
             radius_mm=(10.0, 45.0),
             force_n=(2.0, 4.0),
             nodal_force_n=0.3,
@@ -116,7 +116,7 @@ PRESETS: Mapping[str, Preset] = {
         loaded=Nearest((39.7, 8.8, 62.5), 60),
     ),
     # Loads as strong as the second published set's, on whatever the mesh lays open.
-    choices.Preset.FAMILY: Preset(
+    choices.PresetName.FAMILY: Preset(
         BRAIN_AND_TUMOUR,
         partial(traction_paths, traction_pa=2200.0, n_levels=10, n_paths=6),
     ),

@@ -31,7 +31,7 @@ from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import ELEMENTS
-from physgnn.mechanics.equilibrium.reference_states import NearestKnown
+from physgnn.mechanics.equilibrium.reference_states import NearestReference
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadCase
 
@@ -108,7 +108,7 @@ class Surrogate(ABC):
         """Return whether a displacement just predicted is to be trusted at all."""
         return True
 
-    def reference_states(self) -> NearestKnown | None:
+    def reference_states(self) -> NearestReference | None:
         """Return how to find the nearest stable equilibrium it carries with it.
 
         Estimates of the error and repairs start from there. None: from rest only.

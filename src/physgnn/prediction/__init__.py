@@ -3,7 +3,7 @@
 from physgnn.prediction.error_bounds.run_calibration import calibrate_run
 from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.prediction import (
-    ErrorEstimate,
+    ErrorBound,
     Predict,
     Prediction,
     PredictionStatus,
@@ -11,7 +11,7 @@ from physgnn.prediction.prediction import (
 from physgnn.prediction.predictor import Predictor
 
 __all__ = [
-    "ErrorEstimate",
+    "ErrorBound",
     "FiniteElementPredictor",
     "Predict",
     "Prediction",

@@ -5,9 +5,9 @@ import time
 from physgnn.choices import Estimate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Status
-from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
 from physgnn.mechanics.loads.paths import LoadCase
-from physgnn.prediction.prediction import ErrorEstimate, Prediction, PredictionStatus
+from physgnn.prediction.prediction import ErrorBound, Prediction, PredictionStatus
 from physgnn.prediction.repair_policy import SAFETY
 
 TOLERANCE_MM = 1e-3  # of a solve nobody gives a tolerance for
@@ -25,7 +25,7 @@ class FiniteElementPredictor:
     """
 
     def __init__(self, body: Body, *, threads: int = 1) -> None:
-        self._approach = Approach(body, threads=threads)
+        self._warm_start = WarmStartSolver(body, threads=threads)
 
     def __call__(
         self,
@@ -42,11 +42,11 @@ class FiniteElementPredictor:
         """
         start = time.perf_counter()
         within = TOLERANCE_MM if tolerance_mm is None else tolerance_mm / SAFETY
-        found = self._approach.solve(load_case, tolerance_mm=within)
+        found = self._warm_start.solve(load_case, tolerance_mm=within)
         whole = found.status == Status.CONVERGED
         return Prediction(
             displacement=found.displacement,
-            error_estimate_mm=ErrorEstimate(within, within, 1.0) if whole else None,
+            error_estimate_mm=ErrorBound(within, within, 1.0) if whole else None,
             status=PredictionStatus.OK if whole else PredictionStatus.TOLERANCE_NOT_MET,
             seconds=time.perf_counter() - start,
         )

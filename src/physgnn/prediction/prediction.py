@@ -58,7 +58,7 @@ _REMEDY = {
 
 
 @dataclass(frozen=True)
-class ErrorEstimate:
+class ErrorBound:
     """Bounds on the error of one prediction, each kept with probability `coverage`.
 
     Attributes
@@ -97,7 +97,7 @@ class Prediction:
     ----------
     displacement : (n_points, 3) array
         mm, world axes.
-    error_estimate_mm : ErrorEstimate or None
+    error_estimate_mm : ErrorBound or None
         None where the predictor has not been calibrated.
     status : PredictionStatus
         Its `remedy` says what to do.
@@ -108,7 +108,7 @@ class Prediction:
     """
 
     displacement: FloatArray
-    error_estimate_mm: ErrorEstimate | None
+    error_estimate_mm: ErrorBound | None
     status: PredictionStatus
     seconds: float
     likely_error_mm: LikelyError | None = None

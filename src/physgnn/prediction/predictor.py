@@ -14,12 +14,12 @@ from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.equilibrium.relaxation import Relaxation
-from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.error_bounds.calibration import Calibration
 from physgnn.prediction.error_bounds.indicators import INDICATORS
 from physgnn.prediction.prediction import (
-    ErrorEstimate,
+    ErrorBound,
     LikelyError,
     Prediction,
     PredictionStatus,
@@ -158,7 +158,7 @@ class Predictor:
                     relaxed.displacement,
                 )
                 displacement, bounds, status = repair(
-                    self._approach, load_case, start, tolerance_mm
+                    self._warm_start, load_case, start, tolerance_mm
                 )
                 likely = None
         seconds = time.perf_counter() - begun
@@ -174,7 +174,7 @@ class Predictor:
         if not np.isfinite(displacement).all():
             nowhere = np.full_like(displacement, np.nan)
             return Relaxation(nowhere, nowhere, nowhere)
-        return self._approach.relax(load_case, displacement)
+        return self._warm_start.relax(load_case, displacement)
 
     def indicate(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
         """Return the quick indicator of a displacement's error, (n_points, 3), mm.
@@ -190,14 +190,14 @@ class Predictor:
 
     def _quick(
         self, load_case: LoadCase, displacement: FloatArray
-    ) -> ErrorEstimate | None:
+    ) -> ErrorBound | None:
         if self.calibration is None:
             return None
         return self.calibration.estimate(self.indicate(load_case, displacement))
 
     def _physical(
         self, load_case: LoadCase, displacement: FloatArray, error: FloatArray
-    ) -> tuple[ErrorEstimate | None, LikelyError]:
+    ) -> tuple[ErrorBound | None, LikelyError]:
         length = np.linalg.norm(error, axis=1)
         likely = LikelyError(float(length.mean()), float(length.max()))
         if self.relaxation is None:
@@ -213,9 +213,9 @@ class Predictor:
         return PredictionStatus.OK
 
     @cached_property
-    def _approach(self) -> Approach:
+    def _warm_start(self) -> WarmStartSolver:
         known, threads = self.surrogate.reference_states(), torch.get_num_threads()
-        return Approach(self.body, known=known, threads=threads)
+        return WarmStartSolver(self.body, known=known, threads=threads)
 
 
 def _read_if_there(file: Path) -> Calibration | None:

@@ -14,10 +14,10 @@ from physgnn.learning.graph import graph_of
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.relaxation import Relaxation
 from physgnn.mechanics.equilibrium.solution import Status
-from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.reduced.near_loads import FEW
-from physgnn.prediction.prediction import ErrorEstimate, LikelyError, PredictionStatus
+from physgnn.prediction.prediction import ErrorBound, LikelyError, PredictionStatus
 
 WRONG_BY = 2.0  # the physical estimate may be too small by such a factor
 UNSURE_BY = 4.0  # it is made so much larger beyond UNSURE_FROM
@@ -119,7 +119,7 @@ def where_to_begin(
 
 
 def good_enough(
-    bounds: ErrorEstimate | None, likely: LikelyError, tolerance_mm: float
+    bounds: ErrorBound | None, likely: LikelyError, tolerance_mm: float
 ) -> bool:
     """Whether an error may be taken to be below a tolerance."""
     if bounds is None:
@@ -128,8 +128,8 @@ def good_enough(
 
 
 def repair(
-    approach: Approach, case: LoadCase, start: Start, tolerance_mm: float
-) -> tuple[FloatArray, ErrorEstimate | None, PredictionStatus]:
+    approach: WarmStartSolver, case: LoadCase, start: Start, tolerance_mm: float
+) -> tuple[FloatArray, ErrorBound | None, PredictionStatus]:
     """Return the stable equilibrium next to a start, its error and its status.
 
     What the start lacks of the load is followed from there; without an equilibrium next
@@ -142,5 +142,5 @@ def repair(
     )
     if found.status != Status.CONVERGED:
         return found.displacement, None, PredictionStatus.TOLERANCE_NOT_MET
-    error = ErrorEstimate(within, within, 1.0)
+    error = ErrorBound(within, within, 1.0)
     return found.displacement, error, STATUS_BY_ORIGIN[found.origin]

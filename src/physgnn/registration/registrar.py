@@ -28,7 +28,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.measured_pairs import PointPairs
 from physgnn.geometry.measured_surface import SurfacePoints
 from physgnn.mechanics.body import Body
-from physgnn.prediction.prediction import ErrorEstimate, Prediction, PredictionStatus
+from physgnn.prediction.prediction import ErrorBound, Prediction, PredictionStatus
 from physgnn.registration.gaussian import Posterior, choose_variances, condition
 from physgnn.registration.load_families import load_modes
 from physgnn.registration.measurement import (
@@ -262,13 +262,13 @@ def _error_lengths(posterior: Posterior, response: Fields, seed: int) -> FloatAr
     return lengths * max(1.0, posterior.surprise)
 
 
-def _estimate(lengths: FloatArray, coverage: float) -> ErrorEstimate:
+def _estimate(lengths: FloatArray, coverage: float) -> ErrorBound:
     """Return bounds on the mean and the largest error."""
     mean, largest = (
         float(np.quantile(size, coverage))
         for size in (lengths.mean(axis=1), lengths.max(axis=1))
     )
-    return ErrorEstimate(mean, largest, coverage)
+    return ErrorBound(mean, largest, coverage)
 
 
 def _combined(fields: Fields, w: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ from physgnn.geometry.segmentation.label_tables import (
     LabelTable,
     label_table,
 )
-from physgnn.geometry.segmentation.level_set import level_set
+from physgnn.geometry.segmentation.mask_surface import level_set
 from physgnn.geometry.segmentation.masks import tissue_masks
 from physgnn.io.medical.nifti import read_segmentation, write_image
 

@@ -16,7 +16,7 @@ from physgnn.learning.lifted.model import LiftedModel, body_axes
 from physgnn.learning.models import build_model
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadCase
@@ -139,7 +139,7 @@ def test_untrained_it_is_the_expansion(fitted: LiftedModel, store: Store) -> Non
     fitted.coefficients = None
     case = store.load_case(5, 3)
     force = case.on_points(store.mesh.n_points) @ body_axes(store.mesh).T
-    expected = fitted.perturbation.expand(force).displacement @ body_axes(store.mesh)
+    expected = fitted.expansion.expand(force).displacement @ body_axes(store.mesh)
     np.testing.assert_allclose(predict(fitted, case).numpy(), expected, atol=1e-5)
 
 

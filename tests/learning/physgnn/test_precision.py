@@ -11,7 +11,7 @@ from physgnn.learning.graph import Graph, graph_of
 from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.physgnn.precision import set_precision
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from physgnn.learning.models import build_model
 from physgnn.learning.reduced_order import local_expansion as reduced
 from physgnn.learning.reduced_order.local_expansion import ReducedModel
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.train import train as train_model
+from physgnn.learning.training.training_run import train as train_model
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solver import SolverOptions, solve
 from physgnn.mechanics.linear.linear_elasticity import RestState
@@ -85,7 +85,7 @@ def test_repairs_start_from_the_anchor_next_to_a_load(block: TetMesh) -> None:
     model = with_anchor(block, 0.8)
     for share, state in ((0.7, model.states[0]), (0.1, 0.0 * block.points)):
         case = push(block, share)
-        known = model.nearest_known(case.on_points(block.n_points))
+        known = model.nearest_reference(case.on_points(block.n_points))
         np.testing.assert_array_equal(known.displacement, state)
 
 

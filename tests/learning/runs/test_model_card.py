@@ -5,7 +5,7 @@ from physgnn.dataset.storage.store import Store
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.model_card import write_model_card
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 
 
 def test_a_run_says_what_it_is(store: Store, split: Split, tmp_path: Path) -> None:

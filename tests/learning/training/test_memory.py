@@ -13,10 +13,10 @@ from physgnn.learning.graph import graph_of
 from physgnn.learning.models import build_model
 from physgnn.learning.physgnn.model import PhysGNNModel
 from physgnn.learning.runs.checkpoint import Checkpoint
-from physgnn.learning.training import train as training
+from physgnn.learning.training import training_run as training
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.memory import PEAK, kept_bytes, measure, samples_at_once
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 
 
 @pytest.fixture

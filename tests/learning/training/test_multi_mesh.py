@@ -21,9 +21,9 @@ from physgnn.learning.training.multi_mesh import (
     MixedOrder,
     build_models,
     in_order,
-    members_of,
+    training_meshes,
 )
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 from physgnn.mechanics.equilibrium.solution import Solution
 
 OPTIONS = {"anchors": 2, "reach": 2, "width": 8, "layers": 2, "modes": 0}
@@ -86,11 +86,11 @@ def test_processes_share_validation_out(processes: int) -> None:
 
 
 def test_one_split_a_store(store: Store, split: Split) -> None:
-    assert len(members_of(store, split)) == 1
+    assert len(training_meshes(store, split)) == 1
     with pytest.raises(InputError, match="one split a store"):
-        members_of([store, store], split)
+        training_meshes([store, store], split)
     with pytest.raises(InputError, match="one store or more"):
-        members_of([], [])
+        training_meshes([], [])
 
 
 def test_whole_meshes_are_held_out(stores: list[Store]) -> None:
@@ -108,7 +108,7 @@ def test_meshes_must_differ(store: Store) -> None:
 
 
 def test_models_share_weights_and_nothing_else(stores: list[Store]) -> None:
-    members = members_of(stores, split_meshes(stores))
+    members = training_meshes(stores, split_meshes(stores))
     first, second, _ = build_models(members, CONFIG)
     assert isinstance(first, LiftedModel)
     assert isinstance(second, LiftedModel)
@@ -117,7 +117,7 @@ def test_models_share_weights_and_nothing_else(stores: list[Store]) -> None:
 
 
 def test_what_belongs_to_a_body_is_not_shared(stores: list[Store]) -> None:
-    members = members_of(stores, split_meshes(stores))
+    members = training_meshes(stores, split_meshes(stores))
     with pytest.raises(InputError, match="modes = 0"):
         build_models(members, replace(CONFIG, options={**OPTIONS, "modes": 3}))
     with pytest.raises(InputError, match="learns from one body"):
@@ -134,7 +134,7 @@ def test_a_family_trains_and_its_record_names_every_mesh(
     assert trained.body.mesh.content_hash == hashes[0]
     weights = torch.cat([w.flatten() for w in trained.model.local.parameters()])  # type: ignore[union-attr]
     assert weights.isfinite().all()
-    fresh = build_models(members_of(stores, split_meshes(stores)), CONFIG)[0]
+    fresh = build_models(training_meshes(stores, split_meshes(stores)), CONFIG)[0]
     assert trained.model.local.last.weight.abs().sum() > 0  # type: ignore[union-attr]
     assert fresh.local.last.weight.abs().sum() == 0  # type: ignore[union-attr]
 

@@ -14,7 +14,7 @@ from physgnn.mechanics import (
     solve,
 )
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
 
@@ -48,7 +48,7 @@ def test_the_error_is_estimated_within_a_factor_of_two(block, solved, seed, size
     wrong = rng.normal(size=truth.shape) * (rng.random((len(truth), 1)) < 0.3) * size
     wrong[block.point_set("fixed")] = 0.0
     guess = truth + wrong
-    found = Approach(Body(block, MATERIALS)).relax(case, guess)
+    found = WarmStartSolver(Body(block, MATERIALS)).relax(case, guess)
     ratio = sizes(found.error) / sizes(guess - truth)
     assert (ratio > 0.5).all()
     assert (ratio < 2.0).all()
@@ -60,13 +60,15 @@ def test_cells_inside_out_are_turned_back(block, solved):
     guess = truth.copy()
     guess[inside[::9], 2] -= 4.0  # cells have sides of 3.3
     assert (np.linalg.det(deformation_gradient(block, guess)) <= 0).any()
-    found = Approach(Body(block, MATERIALS)).relax(case, guess)
+    found = WarmStartSolver(Body(block, MATERIALS)).relax(case, guess)
     assert (np.linalg.det(deformation_gradient(block, found.displacement)) > 0).all()
 
 
 def test_what_was_moved_leads_from_the_guess(block, solved, element):
     case, truth = solved
-    found = Approach(Body(block, MATERIALS, element=element)).relax(case, 0.9 * truth)
+    found = WarmStartSolver(Body(block, MATERIALS, element=element)).relax(
+        case, 0.9 * truth
+    )
     np.testing.assert_allclose(
         found.displacement - 0.9 * truth, found.moved, atol=1e-12
     )
@@ -77,4 +79,7 @@ def test_what_was_moved_leads_from_the_guess(block, solved, element):
 
 def test_at_equilibrium_there_is_nothing_to_move(block, solved):
     case, truth = solved
-    assert sizes(Approach(Body(block, MATERIALS)).relax(case, truth).error)[1] < 1e-2
+    assert (
+        sizes(WarmStartSolver(Body(block, MATERIALS)).relax(case, truth).error)[1]
+        < 1e-2
+    )

@@ -10,8 +10,8 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent, make_pattern
 from physgnn.mechanics.elements.tet4 import make_elements
 from physgnn.mechanics.equilibrium.full_newton import Newton
-from physgnn.mechanics.equilibrium.reference_states import KnownState
-from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.equilibrium.reference_states import ReferenceState
+from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
@@ -36,8 +36,8 @@ def solved(block):
 
 
 @pytest.fixture(scope="module")
-def approach(block) -> Approach:
-    return Approach(Body(block, MATERIALS))
+def approach(block) -> WarmStartSolver:
+    return WarmStartSolver(Body(block, MATERIALS))
 
 
 def guesses(states: np.ndarray) -> dict[str, np.ndarray | None]:
@@ -78,8 +78,8 @@ def test_what_converges_is_within_the_tolerance_of_full_newton(block, approach, 
 def test_known_states_do_not_change_the_answer(block, solved):
     case, states = solved
     body = Body(block, MATERIALS)
-    known = KnownState.of(body, states[4])
-    approach = Approach(body, known=lambda _: known)
+    known = ReferenceState.of(body, states[4])
+    approach = WarmStartSolver(body, known=lambda _: known)
     wild = states[4] + np.random.default_rng(1).normal(size=states[4].shape)
     found = approach.solve(case, wild, tolerance_mm=TOLERANCE_MM)
     assert found.status == Status.CONVERGED
@@ -129,7 +129,7 @@ def test_of_two_equilibria_the_load_reaches_the_one_followed_to():
     force = 0.15 * np.array([[0.552, -0.006, -0.834]])
     path = LoadPath(np.array([64]), force, np.arange(1, 31) / 30)
     states = solve(mesh, path, materials=materials).displacement
-    approach = Approach(Body(mesh, materials))
+    approach = WarmStartSolver(Body(mesh, materials))
     misled = approach.solve(path.case(26), states[-1], tolerance_mm=TOLERANCE_MM)
     assert misled.status == Status.CONVERGED, "a stable equilibrium, but another one"
     assert np.linalg.norm(misled.displacement - states[26], axis=1).max() > 5.0
@@ -148,7 +148,7 @@ def test_the_last_try_reaches_what_the_solver_reaches_and_nothing_else():
     """Loads near snap-throughs, where short steps and a tight tolerance decide."""
     mesh, rng = block_mesh(4), np.random.default_rng(1)
     materials = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
-    approach = Approach(Body(mesh, materials))
+    approach = WarmStartSolver(Body(mesh, materials))
     snaps = 0
     for node in rng.choice(mesh.point_set("loaded"), 12, replace=False):
         direction = rng.normal(size=3)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from meshes import block_mesh
 from physgnn.errors import InputError
-from physgnn.mechanics.loads.patch_sampling import patch_shares, push_paths
+from physgnn.mechanics.loads.patch_sampling import patch_load_paths, patch_shares
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.sampling import inward_normals
 
@@ -23,7 +23,7 @@ def paths(n_paths: int = 40, **changes: object) -> list[LoadPath]:
     mesh = block_mesh(4)
     loaded = mesh.point_set("loaded")
     ranges = {**RANGES, **changes}
-    return push_paths(mesh, loaded, n_levels=5, n_paths=n_paths, **ranges)
+    return patch_load_paths(mesh, loaded, n_levels=5, n_paths=n_paths, **ranges)
 
 
 @given(

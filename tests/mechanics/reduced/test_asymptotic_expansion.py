@@ -14,7 +14,7 @@ from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.reduced.anchors import mean_load_anchors
-from physgnn.mechanics.reduced.asymptotic_expansion import Perturbation
+from physgnn.mechanics.reduced.asymptotic_expansion import AsymptoticExpansion
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 EXACT = SolverOptions(tolerance_mm=1e-7)
@@ -57,7 +57,7 @@ def test_error_falls_with_the_third_power_of_the_load(
     start = np.zeros_like(force)
     if about == "anchor":
         anchors, start = equilibria(body, force, np.array([1.0])), force
-    expansion = Perturbation(body, anchors)
+    expansion = AsymptoticExpansion(body, anchors)
     sizes = np.array([0.4, 0.3, 0.2])
     if element == "tet4-averaged":  # softer
         sizes /= 2
@@ -75,7 +75,7 @@ def test_error_falls_with_the_third_power_of_the_load(
 def test_first_term_about_rest_is_the_linear_solution(
     body: Body, force: np.ndarray
 ) -> None:
-    terms = Perturbation(body, np.zeros((0, *force.shape))).expand(force)
+    terms = AsymptoticExpansion(body, np.zeros((0, *force.shape))).expand(force)
     linear = RestState(Body(body.mesh, MATERIALS)).solve(force)
     assert (terms.anchor == 0).all()
     np.testing.assert_allclose(terms.first, linear, atol=1e-5 * np.abs(linear).max())
@@ -83,7 +83,7 @@ def test_first_term_about_rest_is_the_linear_solution(
 
 def test_expands_about_the_nearest_anchor(body: Body, force: np.ndarray) -> None:
     anchors = equilibria(body, force, np.array([0.5, 1.0]))
-    expansion = Perturbation(body, anchors)
+    expansion = AsymptoticExpansion(body, anchors)
     assert [expansion.nearest(s * force) for s in (0.1, 0.4, 0.6, 0.9, 3)] == [
         0, 1, 1, 2, 2
     ]  # fmt: skip
@@ -95,14 +95,14 @@ def test_expands_about_the_nearest_anchor(body: Body, force: np.ndarray) -> None
 def test_a_load_far_beyond_any_still_has_an_expansion(
     body: Body, force: np.ndarray
 ) -> None:
-    expansion = Perturbation(body, np.zeros((0, *force.shape)))
+    expansion = AsymptoticExpansion(body, np.zeros((0, *force.shape)))
     assert np.isfinite(expansion.expand(1e3 * force).displacement).all()
 
 
 def test_refuses_an_inverted_anchor(body: Body) -> None:
     anchors = np.random.default_rng(0).normal(size=(1, *body.mesh.points.shape)) * 50
     with pytest.raises(InputError, match="inverted in an anchor"):
-        Perturbation(body, anchors)
+        AsymptoticExpansion(body, anchors)
 
 
 def test_anchors_reach_the_largest_projection_on_the_mean(

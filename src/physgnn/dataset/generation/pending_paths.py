@@ -21,7 +21,7 @@ from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.progress import Progress
 
 ALREADY_THERE = "already there"
-DEFAULT_SOLVER = choices.Solver.PHYSGNN
+DEFAULT_SOLVER = choices.SolverName.PHYSGNN
 
 
 class CanSolve(Protocol):
@@ -93,7 +93,7 @@ def _febio_solver(store: Store) -> CanSolve:
 
 SOLVERS: Mapping[str, Callable[[Store], CanSolve]] = {
     DEFAULT_SOLVER: _own_solver,
-    choices.Solver.FEBIO: _febio_solver,
+    choices.SolverName.FEBIO: _febio_solver,
 }
 """The store's provenance names one."""
 

@@ -21,7 +21,7 @@ from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 
 TRAIN, VALIDATION, TEST = 0.7, 0.2, 0.1  # as published
-MESH = choices.Split.MESH
+MESH = choices.SplitName.MESH
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,9 +99,9 @@ def split_node(store: Store, seed: int = 0) -> Split:
 
 
 SPLITS: dict[str, Callable[..., Split]] = {
-    choices.Split.PUBLISHED: split_published,
-    choices.Split.PATH: split_path,
-    choices.Split.NODE: split_node,
+    choices.SplitName.PUBLISHED: split_published,
+    choices.SplitName.PATH: split_path,
+    choices.SplitName.NODE: split_node,
 }
 
 

@@ -14,7 +14,7 @@ from physgnn.learning.runs.record import processor_minutes
 from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import Predictor
 
-CERTIFIED = "certified"
+REPAIRED = "certified"
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def _run_row(
 
 def certified(row: Row, tolerance_mm: float) -> Row:
     """Return a row's predictor made to keep a tolerance."""
-    return replace(row, name=CERTIFIED, tolerance_mm=tolerance_mm)
+    return replace(row, name=REPAIRED, tolerance_mm=tolerance_mm)
 
 
 def _kind(record: dict[str, Any]) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from physgnn.errors import InputError
 from physgnn.geometry.image import LabelVolume
 from physgnn.geometry.segmentation.label_tables import LABEL_TABLES, LabelTable
-from physgnn.geometry.segmentation.level_set import LevelSet, even_surface, level_set
+from physgnn.geometry.segmentation.mask_surface import LevelSet, even_surface, level_set
 from physgnn.geometry.segmentation.masks import Mask, TissueMasks, tissue_masks
 from physgnn.geometry.segmentation.volume_fit import SurfaceFit, surface_fit
 from physgnn.geometry.surface import Surface

@@ -7,7 +7,7 @@ from physgnn.dataset.storage.store import Store
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Status
-from physgnn.mechanics.equilibrium.warm_start import Approach
+from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
 from physgnn.mechanics.loads.paths import LoadCase
 
 
@@ -35,7 +35,7 @@ class FiniteElement(Surrogate):
 
     def predict(self, load_case: LoadCase) -> FloatArray:
         """Return the finite-element solution, (n_points, 3), mm."""
-        found = self._approach.solve(load_case, tolerance_mm=self.tolerance_mm)
+        found = self._warm_start.solve(load_case, tolerance_mm=self.tolerance_mm)
         self._last = load_case, found.status == Status.CONVERGED
         return found.displacement
 
@@ -47,8 +47,8 @@ class FiniteElement(Surrogate):
         return self._last[1]
 
     @cached_property
-    def _approach(self) -> Approach:
-        return Approach(self.body)
+    def _warm_start(self) -> WarmStartSolver:
+        return WarmStartSolver(self.body)
 
     @classmethod
     def is_meant_for(cls, store: Store, test: IntArray) -> bool:

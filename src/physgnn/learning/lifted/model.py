@@ -21,15 +21,18 @@ from physgnn.errors import InputError
 from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph, as_float32
-from physgnn.learning.lifted.network import LiftedNetwork, Patch
+from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
 from physgnn.learning.network import Network
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import internal_force
-from physgnn.mechanics.equilibrium.reference_states import KnownState, NearestKnown
+from physgnn.mechanics.equilibrium.reference_states import (
+    NearestReference,
+    ReferenceState,
+)
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.reduced.anchors import mean_load_anchors
-from physgnn.mechanics.reduced.asymptotic_expansion import Perturbation
+from physgnn.mechanics.reduced.asymptotic_expansion import AsymptoticExpansion
 from physgnn.mechanics.reduced.near_loads import NearLoads
 from physgnn.mechanics.reduced.pod import leading_modes
 
@@ -106,17 +109,17 @@ class LiftedModel(Network):
 
     def _forget(self) -> None:
         """Drop what was made from the buffers; it's made again when needed."""
-        self._perturbation: Perturbation | None = None
-        self._patch: Patch | None = None
+        self._expansion: AsymptoticExpansion | None = None
+        self._patch: NetworkRegion | None = None
 
     @property
-    def perturbation(self) -> Perturbation:
+    def expansion(self) -> AsymptoticExpansion:
         """The expansion, in the body's axes."""
-        if self._perturbation is None:
+        if self._expansion is None:
             states = self.anchor_states.cpu().numpy()
             threads = torch.get_num_threads()
-            self._perturbation = Perturbation(self._turned, states, threads=threads)
-        return self._perturbation
+            self._expansion = AsymptoticExpansion(self._turned, states, threads=threads)
+        return self._expansion
 
     def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Find the anchors, the points near loads, and the modes."""
@@ -163,15 +166,17 @@ class LiftedModel(Network):
 
     def release(self) -> None:
         """Free the factors."""
-        self._perturbation = None
+        self._expansion = None
 
-    def reference_states(self) -> NearestKnown:
+    def reference_states(self) -> NearestReference:
         """Return how to find the nearest anchor, and its response to a little more."""
         axes = self._axes64
 
-        def nearest(force: FloatArray) -> KnownState:
-            about = self.perturbation.about(force @ axes.T)
-            return KnownState(about.u @ axes, lambda f: about.solve(f @ axes.T) @ axes)
+        def nearest(force: FloatArray) -> ReferenceState:
+            about = self.expansion.about(force @ axes.T)
+            return ReferenceState(
+                about.u @ axes, lambda f: about.solve(f @ axes.T) @ axes
+            )
 
         return nearest
 
@@ -209,14 +214,14 @@ class LiftedModel(Network):
             mm and N.
         """
         force = self._force(load_case)
-        terms = self.perturbation.expand(force)
+        terms = self.expansion.expand(force)
         return as_float32(
             np.column_stack([terms.displacement, terms.first, terms.second, force])
         )
 
     def linear(self, load_case: LoadCase) -> FloatArray:
         """Return K₀⁻¹ f, (n_points, 3) mm, in the world's axes, by kept columns."""
-        return self.perturbation.linear(self._force(load_case)) @ self._axes64
+        return self.expansion.linear(self._force(load_case)) @ self._axes64
 
     def _force(self, load_case: LoadCase) -> FloatArray:
         return load_case.on_points(self.body.mesh.n_points) @ self._axes64.T
@@ -245,9 +250,9 @@ class LiftedModel(Network):
         flat = self.modes.flatten(1)
         return (terms.flatten(2) @ flat.T).flatten(1)
 
-    def _patch_on(self, device: torch.device) -> Patch:
+    def _patch_on(self, device: torch.device) -> NetworkRegion:
         if self._patch is None or self._patch.points.device != device:
-            patch = Patch.of(self._turned, self.near.cpu().numpy())
+            patch = NetworkRegion.of(self._turned, self.near.cpu().numpy())
             self._patch = patch.to(device)
         return self._patch
 

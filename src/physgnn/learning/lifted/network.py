@@ -18,7 +18,7 @@ REFERENCE_MU = 1e-3  # MPa; that of brain tissue, so that features are about 1
 
 
 @dataclass(frozen=True, eq=False)
-class Patch:
+class NetworkRegion:
     """The part of a mesh that a network works on, and what it's told of it.
 
     Attributes
@@ -42,7 +42,7 @@ class Patch:
     static: Tensor
 
     @classmethod
-    def of(cls, body: Body, near: BoolArray) -> "Patch":
+    def of(cls, body: Body, near: BoolArray) -> "NetworkRegion":
         """Cut the cells all of whose points are near out of a body's mesh."""
         mesh = body.mesh
         inside = near[mesh.cells].all(axis=1)
@@ -60,9 +60,9 @@ class Patch:
             as_float32(static[points]),
         )
 
-    def to(self, device: torch.device | str) -> "Patch":
+    def to(self, device: torch.device | str) -> "NetworkRegion":
         """Return the patch on a device."""
-        return Patch(
+        return NetworkRegion(
             self.points.to(device),
             self.stencil.to(device),
             self.length.to(device),
@@ -98,7 +98,7 @@ class LiftedNetwork(nn.Module):
         nn.init.zeros_(self.last.bias)
 
     def forward(
-        self, terms: Tensor, force: Tensor, size: Tensor, patch: Patch
+        self, terms: Tensor, force: Tensor, size: Tensor, patch: NetworkRegion
     ) -> Tensor:
         """Return the correction over its size.
 
@@ -123,7 +123,9 @@ class LiftedNetwork(nn.Module):
         return output
 
 
-def _features(terms: Tensor, force: Tensor, size: Tensor, patch: Patch) -> Tensor:
+def _features(
+    terms: Tensor, force: Tensor, size: Tensor, patch: NetworkRegion
+) -> Tensor:
     gradients = patch.stencil(terms) / patch.length
     tiny = torch.finfo(terms.dtype).tiny
     shape = terms[..., 6:] / size.clamp_min(tiny)

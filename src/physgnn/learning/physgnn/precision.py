@@ -5,14 +5,14 @@ from collections.abc import Mapping
 import torch
 from torch import nn
 
-from physgnn.choices import Precision
+from physgnn.choices import PrecisionName
 from physgnn.errors import InputError
 from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
 from physgnn.learning.physgnn.network import PhysGNN
 
 PRECISIONS: Mapping[str, torch.dtype | None] = {
-    Precision.FLOAT32: None,
-    Precision.BFLOAT16: torch.bfloat16,
+    PrecisionName.FLOAT32: None,
+    PrecisionName.BFLOAT16: torch.bfloat16,
 }
 
 

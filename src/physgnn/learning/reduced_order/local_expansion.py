@@ -22,7 +22,10 @@ from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.surrogate import Arrays, Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
-from physgnn.mechanics.equilibrium.reference_states import KnownState, NearestKnown
+from physgnn.mechanics.equilibrium.reference_states import (
+    NearestReference,
+    ReferenceState,
+)
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
 from physgnn.mechanics.loads.paths import LoadCase, LoadPath
 from physgnn.mechanics.reduced.load_distance import LoadDistance, farthest
@@ -86,9 +89,9 @@ class ReducedModel(Surrogate):
         shape = (anchors, body.mesh.n_points, 3)
         self.states = np.zeros(shape, dtype=np.float32)
         self.loads = np.zeros(shape, dtype=np.float32)
-        self._known: _KnownLoads | None = None
+        self._known: _ReferenceLoads | None = None
         self._about = lru_cache(KEPT_AT_ONCE)(self._expansion)
-        self._state = lru_cache(FACTORS_AT_ONCE)(self._known_state)
+        self._state = lru_cache(FACTORS_AT_ONCE)(self._reference_state)
 
     def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Choose the anchors: each time the sample farthest from those chosen."""
@@ -148,9 +151,9 @@ class ReducedModel(Surrogate):
         force = load_case.on_points(self.body.mesh.n_points)
         return next(self._converged(force), None) is not None
 
-    def reference_states(self) -> NearestKnown:
+    def reference_states(self) -> NearestReference:
         """Return how to find the nearest anchor."""
-        return self.nearest_known
+        return self.nearest_reference
 
     def arrays(self) -> Arrays:
         """Return the anchors' displacements, mm, and their loads, N."""
@@ -167,7 +170,7 @@ class ReducedModel(Surrogate):
         paths = np.unique(test[:, 0]).tolist()
         return max(len(store.load_path(path).nodes) for path in paths) <= FEW
 
-    def nearest_known(self, force: FloatArray) -> KnownState:
+    def nearest_reference(self, force: FloatArray) -> ReferenceState:
         """Return the nearest anchor that loads every point a force loads, or rest."""
         k, _, _ = next(self._nearest(force))
         return self._state(k)
@@ -183,11 +186,11 @@ class ReducedModel(Surrogate):
         self, force: FloatArray
     ) -> Iterator[tuple[int | None, float, tuple[int, ...]]]:
         if self._known is None:
-            self._known = _KnownLoads(self.body, self.loads)
+            self._known = _ReferenceLoads(self.body, self.loads)
         return self._known.nearest(force)
 
-    def _known_state(self, k: int | None) -> KnownState:
-        return KnownState.of(self.body, self._displacement(k))
+    def _reference_state(self, k: int | None) -> ReferenceState:
+        return ReferenceState.of(self.body, self._displacement(k))
 
     def _displacement(self, k: int | None) -> FloatArray:
         """Return an anchor's displacement, or that of the rest state."""
@@ -206,7 +209,7 @@ class ReducedModel(Surrogate):
         )
 
 
-class _KnownLoads:
+class _ReferenceLoads:
     """The anchors' loads, and which are near a given one."""
 
     def __init__(self, body: Body, loads: NDArray[np.float32]) -> None:

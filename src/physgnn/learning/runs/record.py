@@ -15,7 +15,7 @@ from physgnn.errors import InputError
 from physgnn.learning.models import resolved_options
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.multi_mesh import Splits, Stores, members_of
+from physgnn.learning.training.multi_mesh import Splits, Stores, training_meshes
 
 VERSIONED = ("physgnn", "torch", "lightning", "numpy")
 EXTENDABLE = {"clock", "max_epochs", "max_minutes", "memory_mb"}
@@ -25,7 +25,7 @@ def new_record(
     stores: Stores, splits: Splits, config: TrainingConfig
 ) -> dict[str, Any]:
     """Return what is known before training, on one dataset or on several."""
-    members = members_of(stores, splits)
+    members = training_meshes(stores, splits)
     options = resolved_options(config.model, config.options)
     hashes = [member.store.content_hash() for member in members]
     split = members[0].split

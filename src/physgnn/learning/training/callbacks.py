@@ -92,7 +92,7 @@ class MetricsFile(Callback):
             writer.writerow(row)
 
 
-class Report(Callback):
+class ProgressReport(Callback):
     """Tells a progress callback how much of the budget is spent, in thousandths."""
 
     def __init__(self, progress: Progress, budget: Budget) -> None:

@@ -81,8 +81,8 @@ class TrainingConfig:
                 f"own (got {self.model})"
             )
         for name, allowed in (
-            ("loss", choices.Loss), ("schedule", choices.Schedule),
-            ("precision", choices.Precision), ("clock", choices.Clock),
+            ("loss", choices.LossName), ("schedule", choices.Schedule),
+            ("precision", choices.PrecisionName), ("clock", choices.Clock),
         ):  # fmt: skip
             if getattr(self, name) not in [*allowed]:
                 raise InputError(

@@ -38,13 +38,13 @@ def relative_sample(predicted: Tensor, true: Tensor) -> Tensor:
     return (error / size.clamp_min(torch.finfo(size.dtype).tiny)).sqrt().mean()
 
 
-Loss = Callable[[Tensor, Tensor], Tensor]
+LossFunction = Callable[[Tensor, Tensor], Tensor]
 
-LOSSES: Mapping[str, Loss] = {
-    choices.Loss.MEAN_EUCLIDEAN: mean_euclidean,
-    choices.Loss.MEAN_SQUARE: mean_square,
-    choices.Loss.MEAN_ABSOLUTE: mean_absolute,
-    choices.Loss.ROOT_MEAN_SQUARE_SAMPLE: root_mean_square_sample,
-    choices.Loss.RELATIVE_SAMPLE: relative_sample,
+LOSSES: Mapping[str, LossFunction] = {
+    choices.LossName.MEAN_EUCLIDEAN: mean_euclidean,
+    choices.LossName.MEAN_SQUARE: mean_square,
+    choices.LossName.MEAN_ABSOLUTE: mean_absolute,
+    choices.LossName.ROOT_MEAN_SQUARE_SAMPLE: root_mean_square_sample,
+    choices.LossName.RELATIVE_SAMPLE: relative_sample,
 }
 """Each takes predicted and true displacement, (batch, n_points, 3), mm."""

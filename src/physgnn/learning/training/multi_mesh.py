@@ -22,17 +22,17 @@ from physgnn.learning.training.sample_cache import SampleCache
 
 Stores = Store | Sequence[Store]
 Splits = Split | Sequence[Split]
-MemberBatch = tuple[Tensor, Tensor, Tensor]
+MeshBatch = tuple[Tensor, Tensor, Tensor]
 
 
-class Member(NamedTuple):
+class TrainingMesh(NamedTuple):
     """One body's dataset, and what of it is used how."""
 
     store: Store
     split: Split
 
 
-def members_of(stores: Stores, splits: Splits) -> list[Member]:
+def training_meshes(stores: Stores, splits: Splits) -> list[TrainingMesh]:
     """Return one member a store; InputError unless there is a split for each."""
     stores = [stores] if isinstance(stores, Store) else list(stores)
     splits = [splits] if isinstance(splits, Split) else list(splits)
@@ -41,11 +41,13 @@ def members_of(stores: Stores, splits: Splits) -> list[Member]:
             f"training needs one split a store, and one store or more (got "
             f"{len(stores)} stores, {len(splits)} splits)"
         )
-    return [Member(*pair) for pair in zip(stores, splits, strict=True)]
+    return [TrainingMesh(*pair) for pair in zip(stores, splits, strict=True)]
 
 
 def build_models(
-    members: Sequence[Member], config: TrainingConfig, start: Surrogate | None = None
+    members: Sequence[TrainingMesh],
+    config: TrainingConfig,
+    start: Surrogate | None = None,
 ) -> list[Network]:
     """Return one network a member; all have the weights of the first, or of `start`.
 
@@ -68,7 +70,7 @@ def build_models(
 
 
 def fitted_samples(
-    members: Sequence[Member],
+    members: Sequence[TrainingMesh],
     models: Sequence[Network],
     caches: Sequence[SampleCache],
     seed: int = 0,
@@ -94,7 +96,7 @@ def fitted_samples(
 
 def training_batches(
     parts: Sequence[Samples], batch_size: int, seed: int, share: Share
-) -> DataLoader[MemberBatch]:
+) -> DataLoader[MeshBatch]:
     """Return shuffled batches, another order every epoch."""
     order = MixedOrder([len(part) for part in parts], batch_size, seed, share)
     return ResumableLoader(Together(parts), order)
@@ -102,13 +104,13 @@ def training_batches(
 
 def validation_batches(
     parts: Sequence[Samples], batch_size: int, share: Share
-) -> DataLoader[MemberBatch]:
+) -> DataLoader[MeshBatch]:
     """Return this process's share of the samples in order."""
     order = in_order([len(part) for part in parts], batch_size, share)
     return DataLoader(Together(parts), batch_sampler=order)
 
 
-class Together(Dataset[MemberBatch]):
+class Together(Dataset[MeshBatch]):
     """Samples of all members, one after the other, each with its member's number."""
 
     def __init__(self, parts: Sequence[Samples]) -> None:
@@ -162,7 +164,7 @@ class MixedOrder(Sampler[list[int]]):
                 yield [int(self.starts[k]) + i for i in batch]
 
 
-class ResumableLoader(DataLoader[MemberBatch]):
+class ResumableLoader(DataLoader[MeshBatch]):
     """Batches that go on within an epoch; Lightning keeps the state in checkpoints."""
 
     def __init__(self, samples: Together, order: MixedOrder) -> None:

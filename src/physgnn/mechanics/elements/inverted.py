@@ -53,7 +53,7 @@ def _continued_force(cells, gradients, volumes, law, constants, u, force):  # ty
     return n_inverted
 
 
-def continued_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
+def extrapolated_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
     """Return the internal force of any state, without averaged changes of volume.
 
     Parameters

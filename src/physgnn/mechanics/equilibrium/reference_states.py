@@ -10,7 +10,7 @@ from physgnn.mechanics.linear.direct_solver import LinearSolver, factorized
 
 
 @dataclass(frozen=True, eq=False)
-class KnownState:
+class ReferenceState:
     """A stable equilibrium under some load.
 
     Attributes
@@ -25,7 +25,7 @@ class KnownState:
     respond: Callable[[FloatArray], FloatArray]
 
     @classmethod
-    def of(cls, body: Body, displacement: FloatArray) -> "KnownState":
+    def of(cls, body: Body, displacement: FloatArray) -> "ReferenceState":
         """Return a state that is factorised when its answer is first asked for."""
         solver: LinearSolver | None = None
 
@@ -39,7 +39,7 @@ class KnownState:
 
 
 # From a load's forces (n_points, 3), N, to the known state under the nearest load.
-NearestKnown = Callable[[FloatArray], KnownState]
+NearestReference = Callable[[FloatArray], ReferenceState]
 
 
 def _factorized(body: Body, displacement: FloatArray) -> LinearSolver:

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from physgnn.arrays import FloatArray
-from physgnn.mechanics.elements.inverted import continued_force
+from physgnn.mechanics.elements.inverted import extrapolated_force
 from physgnn.mechanics.elements.tangent import Pattern
 from physgnn.mechanics.elements.tet4 import Elements
 from physgnn.mechanics.equilibrium.energy_descent import follow
 from physgnn.mechanics.equilibrium.quasi_newton import QuasiNewton, largest_norm
-from physgnn.mechanics.equilibrium.reference_states import KnownState
+from physgnn.mechanics.equilibrium.reference_states import ReferenceState
 
 MAX_STEPS = 8
 ENOUGH = 0.05  # a step so small beside the whole way ends it
@@ -56,11 +56,11 @@ class Relaxation:
 
 
 @dataclass(frozen=True, eq=False)
-class KnownFactor:
+class ReferenceFactor:
     """The response about a known state, as the linear solver of an iteration."""
 
     pattern: Pattern
-    known: KnownState
+    known: ReferenceState
 
     def factorize(self, data: FloatArray) -> bool:  # noqa: ARG002
         """Return False: this factor is never renewed."""
@@ -73,8 +73,8 @@ class KnownFactor:
 
 
 def any_state_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
-    """Return `continued_force`, for an iteration to which no state is too bad."""
-    force, _ = continued_force(elements, u)
+    """Return `extrapolated_force`, for an iteration to which no state is too bad."""
+    force, _ = extrapolated_force(elements, u)
     return force, -1
 
 
@@ -84,7 +84,7 @@ def relax(iteration: QuasiNewton, start: FloatArray) -> Relaxation:
     Parameters
     ----------
     iteration : QuasiNewton
-        Knows the load; has a `KnownFactor` for a solver.
+        Knows the load; has a `ReferenceFactor` for a solver.
     start : (n_unknowns,) array
         The guess.
     """

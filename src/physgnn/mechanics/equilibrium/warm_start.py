@@ -19,9 +19,12 @@ from physgnn.mechanics.equilibrium.quasi_newton import (
     QuasiNewton,
     largest_norm,
 )
-from physgnn.mechanics.equilibrium.reference_states import KnownState, NearestKnown
+from physgnn.mechanics.equilibrium.reference_states import (
+    NearestReference,
+    ReferenceState,
+)
 from physgnn.mechanics.equilibrium.relaxation import (
-    KnownFactor,
+    ReferenceFactor,
     Relaxation,
     any_state_force,
     relax,
@@ -42,7 +45,7 @@ FAR = 1 / 10  # of the largest displacement, is too far for a guess to choose a 
 
 
 @dataclass(frozen=True, eq=False)
-class Approached:
+class WarmStartSolution:
     """Where an approach ended.
 
     Attributes
@@ -63,7 +66,7 @@ class Approached:
     counts: dict[str, int]
 
 
-class Approach:
+class WarmStartSolver:
     """Finds equilibria on one body, near guesses where there are any.
 
     Parameters
@@ -81,15 +84,15 @@ class Approach:
         self,
         body: Body,
         *,
-        known: NearestKnown | None = None,
+        known: NearestReference | None = None,
         threads: int = 1,
     ) -> None:
         self._body, self._pattern = body, body.pattern
         self._linear = make_linear_solver(
             body.pattern, precision="single", threads=threads
         )
-        at_rest = KnownState.of(body, np.zeros_like(body.mesh.points))
-        self._known: NearestKnown = known or (lambda _: at_rest)
+        at_rest = ReferenceState.of(body, np.zeros_like(body.mesh.points))
+        self._known: NearestReference = known or (lambda _: at_rest)
 
     def relax(self, case: LoadCase, guess: FloatArray) -> Relaxation:
         """Take a few cheap steps from a guess towards the equilibrium under a load.
@@ -102,7 +105,7 @@ class Approach:
         """
         known = self._known(case.on_points(len(guess)))
         iteration = replace(
-            self._iteration(case, np.inf), solver=KnownFactor(self._pattern, known)
+            self._iteration(case, np.inf), solver=ReferenceFactor(self._pattern, known)
         )
         start = self._pattern.unknowns(guess)
         if self._body.elements.averaging is None:
@@ -119,7 +122,7 @@ class Approach:
         *,
         share: float = 1.0,
         tolerance_mm: float,
-    ) -> Approached:
+    ) -> WarmStartSolution:
         """Return the equilibrium under a load case.
 
         Parameters
@@ -150,7 +153,7 @@ class Approach:
                 found = _follow(iteration, found.state, share, MIN_STEP)
         if found is None or found.status != Status.CONVERGED:
             origin, found = "path", _follow_from_rest(iteration)
-        return Approached(
+        return WarmStartSolution(
             iteration.displacement(found.state, 1.0),
             found.status,
             origin,

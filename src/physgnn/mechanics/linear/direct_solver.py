@@ -21,7 +21,7 @@ from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import Pattern, assemble_tangent
 
-Precision = Literal["single", "double"]
+FactorPrecision = Literal["single", "double"]
 
 _ANALYSE, _FACTORISE, _SOLVE, _RELEASE = 11, 22, 33, -1
 _POSITIVE_DEFINITE, _INDEFINITE = 2, -2
@@ -44,7 +44,7 @@ class LinearSolver(Protocol):
 def make_linear_solver(
     pattern: Pattern,
     *,
-    precision: Precision = "double",
+    precision: FactorPrecision = "double",
     threads: int = 1,
     storable: bool = False,
 ) -> LinearSolver:
@@ -73,7 +73,7 @@ def factorized(
     body: Body,
     displacement: FloatArray,
     *,
-    precision: Precision = "double",
+    precision: FactorPrecision = "double",
     threads: int = 1,
 ) -> LinearSolver | None:
     """Return a solver that holds the factor of K(u), u (n_points, 3) in mm.
@@ -117,7 +117,7 @@ class PardisoSolver:
         self,
         pattern: Pattern,
         *,
-        precision: Precision = "double",
+        precision: FactorPrecision = "double",
         threads: int = 1,
         storable: bool = False,
     ) -> None:

@@ -18,7 +18,7 @@ Range = tuple[float, float]
 PLATEAU = 0.5  # of the radius; a real instrument presses evenly up to near its rim
 
 
-def push_paths(
+def patch_load_paths(
     mesh: TetMesh,
     loaded: IntArray,
     *,

@@ -49,7 +49,7 @@ class Expansion:
         return self.anchor + self.first + self.second
 
 
-class Perturbation:
+class AsymptoticExpansion:
     """Expands loads on one body about its rest state or an anchor.
 
     An anchor needs no load of its own: it is in equilibrium with whatever its internal

@@ -28,7 +28,7 @@ from physgnn.mechanics.elements.tangent import assemble_tangent
 from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.linear.direct_solver import LinearSolver
 from physgnn.mechanics.reduced.energy_minimiser import minimise
-from physgnn.mechanics.reduced.submesh import Patch, cut_out
+from physgnn.mechanics.reduced.submesh import CondensedCells, cut_out
 
 COLUMNS_AT_ONCE = 32
 
@@ -96,7 +96,7 @@ class LocalExpansion:
         self._let_go = -linear.solve(elsewhere)
         self._start = self._state[self._dofs]
         stiffness = np.linalg.inv((G + G.T) / 2).astype(np.float64)
-        self._patch = Patch.on_springs(part, moving, self._start, stiffness)
+        self._patch = CondensedCells.on_springs(part, moving, self._start, stiffness)
         self._balance = self._patch.force(self._start) - self._load[self._dofs]
         self._balance += self._patch.stable @ self._let_go[self._dofs]
 

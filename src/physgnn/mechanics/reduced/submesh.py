@@ -10,7 +10,7 @@ from physgnn.mechanics.elements.tet4 import Elements, internal_force, strain_ene
 
 
 @dataclass(frozen=True, eq=False)
-class Patch:
+class CondensedCells:
     """A part of a body, as `energy_minimiser.minimise` takes it.
 
     Attributes
@@ -36,7 +36,7 @@ class Patch:
     @classmethod
     def on_springs(
         cls, elements: Elements, moving: IntArray, x: FloatArray, stiffness: FloatArray
-    ) -> "Patch":
+    ) -> "CondensedCells":
         """Make the springs such that the stiffness of the whole at x is as given."""
         everywhere = np.arange(elements.n_points)
         without = np.setdiff1d(everywhere, np.intersect1d(moving, elements.cells))

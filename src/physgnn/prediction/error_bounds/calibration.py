@@ -15,7 +15,7 @@ from physgnn.learning.surrogate import Surrogate
 from physgnn.prediction.error_bounds.conformal import conformal_quantile
 from physgnn.prediction.error_bounds.indicators import Indicator
 from physgnn.prediction.error_bounds.trained_range import TrainedRange
-from physgnn.prediction.prediction import ErrorEstimate
+from physgnn.prediction.prediction import ErrorBound
 from physgnn.progress import Progress
 
 COVERAGES = (0.9, 0.95)
@@ -63,10 +63,10 @@ class Calibration:
         have = ", ".join(f"{row[0]:g}" for row in rows)
         raise InputError(f"no bounds are calibrated for coverage {coverage:g} ({have})")
 
-    def estimate(self, field: FloatArray) -> ErrorEstimate:
+    def estimate(self, field: FloatArray) -> ErrorBound:
         """Return the error bounds that follow from an indicator field."""
         mean, largest = indicator_sizes(field)
-        return ErrorEstimate(
+        return ErrorBound(
             mean_mm=self.mean_factor * mean,
             max_mm=self.max_factor * largest,
             coverage=self.coverage,

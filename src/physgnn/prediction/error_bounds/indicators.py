@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.learning.surrogate import Surrogate
-from physgnn.mechanics.elements.inverted import continued_force
+from physgnn.mechanics.elements.inverted import extrapolated_force
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadCase
@@ -41,7 +41,7 @@ def residual_indicator(surrogate: Surrogate) -> Indicator:
     rest = RestState(body)
 
     def residual(case: LoadCase, displacement: FloatArray) -> FloatArray:
-        force, _ = continued_force(body.elements, displacement)
+        force, _ = extrapolated_force(body.elements, displacement)
         return rest.solve(case.on_points(body.mesh.n_points) - force)
 
     return residual

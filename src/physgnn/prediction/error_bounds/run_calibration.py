@@ -14,7 +14,7 @@ from physgnn.arrays import FloatArray
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.dataset.training_loads import sample_forces
-from physgnn.learning.runs.adapt import adapt
+from physgnn.learning.runs.adaptation import adapt
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.prediction.error_bounds.calibration import (

@@ -118,13 +118,13 @@ def simulate_mesh(
     """
     if solver not in SOLVERS:
         raise InputError(f"no solver '{solver}' (there are: {', '.join(SOLVERS)})")
-    if solver == choices.Solver.FEBIO and scheduler is None:
+    if solver == choices.SolverName.FEBIO and scheduler is None:
         find_febio()
     name = preset if isinstance(preset, str) else "custom"
     if isinstance(preset, str):
         preset = find_preset(preset)
     mesh, paths = preset.on(mesh)
-    if solver == choices.Solver.FEBIO:
+    if solver == choices.SolverName.FEBIO:
         check_febio(preset.element, paths)
     opened = Store.resume(
         store,

@@ -15,7 +15,7 @@ from physgnn.evaluation.report.ablation_chart import Point, draw_ablation
 from physgnn.io.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 from physgnn.progress import Progress
 from physgnn.stages.experiments.pipeline import can_resume
 

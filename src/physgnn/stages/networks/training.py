@@ -130,11 +130,11 @@ def train_run(
         A run to begin with the weights of; model and options are then its own, unless
         the configuration gives options.
     progress, **options
-        See `physgnn.learning.training.train.train`.
+        See `physgnn.learning.training.training_run.train`.
     """
     from physgnn.learning.runs.checkpoint import Checkpoint
-    from physgnn.learning.training.train import is_first_process
-    from physgnn.learning.training.train import train as train_model
+    from physgnn.learning.training.training_run import is_first_process
+    from physgnn.learning.training.training_run import train as train_model
     from physgnn.prediction.error_bounds.run_calibration import (
         calibrate_family,
         calibrate_run,

@@ -87,7 +87,7 @@ def adapt_run(
         If the network belongs to its mesh, the preset doesn't fit the mesh, or the
         folder holds a run already.
     """
-    from physgnn.learning.runs.adapt import adapt as adapted
+    from physgnn.learning.runs.adaptation import adapt as adapted
     from physgnn.learning.runs.checkpoint import Checkpoint
     from physgnn.learning.runs.folder import RunFolder
     from physgnn.mechanics.body import Body

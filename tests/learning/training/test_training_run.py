@@ -14,7 +14,7 @@ from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.training import callbacks
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.losses import LOSSES
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 
 SMALL = TrainingConfig(
     options={"width": 8}, batch_size=4, max_epochs=4, plateau_patience=0, seed=3

@@ -30,20 +30,20 @@ from physgnn.learning.runs.record import (
 )
 from physgnn.learning.training.batches import Samples, Share
 from physgnn.learning.training.budget import Budget
-from physgnn.learning.training.callbacks import KeepBest, MetricsFile, Report
+from physgnn.learning.training.callbacks import KeepBest, MetricsFile, ProgressReport
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.devices import Machine, make_trainer, quiet
 from physgnn.learning.training.lightning_module import TrainingModule
 from physgnn.learning.training.losses import LOSSES
 from physgnn.learning.training.memory import samples_at_once
 from physgnn.learning.training.multi_mesh import (
-    Member,
     Splits,
     Stores,
+    TrainingMesh,
     build_models,
     fitted_samples,
-    members_of,
     training_batches,
+    training_meshes,
     validation_batches,
 )
 from physgnn.learning.training.sample_cache import SampleCache
@@ -104,7 +104,7 @@ def train(
         loss becomes NaN, or a sample needs more memory than allowed.
     """
     run = Path(run)
-    members = members_of(store, split)
+    members = training_meshes(store, split)
     record = new_record(store, split, config)
     if not issubclass(model_class(config.model), Network):
         if len(members) > 1 or resume or start is not None:
@@ -149,7 +149,7 @@ def train(
 
 
 def _fitted(
-    member: Member,
+    member: TrainingMesh,
     config: TrainingConfig,
     run: Path,
     record: dict[str, Any],
@@ -231,4 +231,4 @@ def _watchers(
     """Return what follows the epochs: the learning rate, the records, the bar."""
     schedule = SCHEDULES[config.schedule](config, budget)
     file = MetricsFile(RunFolder(run).metrics, budget)
-    return [schedule, file, *([Report(progress, budget)] if progress else [])]
+    return [schedule, file, *([ProgressReport(progress, budget)] if progress else [])]

@@ -14,10 +14,10 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import graph_of
 from physgnn.learning.lifted.model import LiftedModel
-from physgnn.learning.runs.adapt import adapt
+from physgnn.learning.runs.adaptation import adapt
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.train import train
+from physgnn.learning.training.training_run import train
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadCase
