@@ -10,7 +10,7 @@ import physgnn
 SOURCE = Path(physgnn.__file__).parent
 
 # What is still to be renamed. A line goes when its fault is mended; none may be added.
-SHARED = {"Equilibrium", "Patch", "Report"}
+SHARED: set[str] = set()
 SHADOWED: set[str] = set()
 
 

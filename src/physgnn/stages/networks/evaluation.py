@@ -38,7 +38,7 @@ def evaluate(
         Dataset; by default the one that the last run was trained on.
     baselines : str
         What to compare with: ``quick``, ``all``, or rows of
-        `physgnn.evaluation.BASELINES` with commas between.
+        `physgnn.learning.models.MODELS` with commas between.
     tolerance_mm : float, optional
         Adds a row of predictions that are repaired where they exceed this.
     out : path, optional
