@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from physgnn.errors import InputError
-from physgnn.geometry.boundary import CELL_FACES
+from physgnn.geometry.cell_checks import CELL_FACES
 from physgnn.geometry.meshing import tetgen_process
 from physgnn.geometry.surface import FaceArray, Surface, edge_lengths, merge
 from physgnn.geometry.tetmesh import TetMesh
