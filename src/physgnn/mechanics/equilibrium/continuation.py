@@ -81,7 +81,8 @@ class PathFollower:
         loose_mm : float, optional
             Tolerance of equilibria on the way, if other than at the target.
         """
-        step = step or min(target - self.reached, self._trusted)
+        if step is None:
+            step = min(target - self.reached, self._trusted)
         while True:
             reached = self.reached
             goal = target if reached + 1.5 * step > target else reached + step

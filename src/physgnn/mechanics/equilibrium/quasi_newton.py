@@ -139,7 +139,7 @@ class QuasiNewton:
         tolerance_mm : float, optional
             In place of the iteration's own.
         """
-        tolerance_mm = tolerance_mm or self.tolerance_mm
+        tolerance_mm = self.tolerance_mm if tolerance_mm is None else tolerance_mm
         state = start
         r, inverted = self.residual(state, load_factor)
         if inverted >= 0:

@@ -48,6 +48,9 @@ class SolverOptions:
                 "tolerance_mm must be > 0 and min_step in (0, 1) "
                 f"(got {self.tolerance_mm}, {self.min_step})"
             )
+        for name in ("max_iterations", "threads"):
+            if not getattr(self, name) >= 1:
+                raise InputError(f"{name} must be ≥ 1 (got {getattr(self, name)})")
 
 
 DEFAULT_OPTIONS = SolverOptions()
