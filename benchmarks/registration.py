@@ -27,8 +27,7 @@ from scipy.spatial.transform import Rotation
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry import TetMesh, boundary_surface, mni152_phantom, tetrahedralize
-from physgnn.geometry.measured_pairs import PointPairs
-from physgnn.geometry.measured_surface import SurfacePoints
+from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
 from physgnn.registration.measurement import N_SURFACE_POINTS

@@ -24,8 +24,7 @@ from physgnn.geometry import (
     select,
     tetrahedralize,
 )
-from physgnn.geometry.measured_pairs import PointPairs
-from physgnn.geometry.measured_surface import SurfacePoints
+from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
 from physgnn.registration.skull import ALONG_MM, Support, fixed_support, sliding_support

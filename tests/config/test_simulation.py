@@ -84,6 +84,8 @@ def test_point_sets_alone(tmp_path: Path) -> None:
         (("paths = 7", "paths = 7.5"), r"paths in \[loads\].* must be int \(got 7.5\)"),
         (("paths = 7", "paths = true"), "paths .* must be int"),
         (("paths = 7", "paths = 0"), "paths in .* must be > 0"),
+        (("nodes_per_path = 2", "nodes_per_path = 0"), "nodes_per_path .* must be > 0"),
+        (("seed = 4", "seed = -1"), "seed in .* must be ≥ 0"),
         (("= 0.02", '= "strong"'), "total_force_n .* must be float"),
         (("[point_sets.loaded]", "[point_sets.laoded]"), "unknown key 'laoded'"),
         (("[materials.tumour]", "[materials.tumor]"), "unknown region 'tumor'.*brain"),

@@ -5,8 +5,7 @@ from hypothesis import strategies as st
 
 from meshes import block_mesh
 from physgnn.errors import InputError
-from physgnn.geometry.measured_pairs import PointPairs
-from physgnn.geometry.measured_surface import SurfacePoints
+from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.registration.measurement import (
     MeasuredPairs,
     MeasuredSurface,

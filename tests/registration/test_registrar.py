@@ -7,8 +7,7 @@ from meshes import block_mesh
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry import boundary_faces
-from physgnn.geometry.measured_pairs import PointPairs
-from physgnn.geometry.measured_surface import SurfacePoints
+from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import (
     LoadPath,

@@ -43,6 +43,7 @@ from pydantic import (
     AfterValidator,
     BeforeValidator,
     Field,
+    NonNegativeInt,
     PositiveInt,
     model_validator,
 )
@@ -93,8 +94,8 @@ class LoadsTable(ConfigTable):
     cone_deg: float = 30.0
     paths: PositiveInt = 100
     levels: PositiveInt = 10
-    nodes_per_path: int | None = None
-    seed: int = 0
+    nodes_per_path: PositiveInt | None = None
+    seed: NonNegativeInt = 0
     more: tuple[variants("kind", MORE_LOADS), ...] = ()  # type: ignore[valid-type]
 
     @property

@@ -238,6 +238,8 @@ def _line(error: ErrorDetails, file: str, at: Place) -> str:
             return f"{of_value} must be one of {expected} {got}"
         case "greater_than":
             return f"{of_value} must be > {ctx['gt']:g} {got}"
+        case "greater_than_equal":
+            return f"{of_value} must be ≥ {ctx['ge']:g} {got}"
         case "value_error":
             return f"{here}: {ctx['error']}"
         case "model_type" | "dict_type" | "mapping_type":

@@ -5,7 +5,7 @@ from physgnn.evaluation.measure.held_out import HeldOut
 from physgnn.evaluation.measure.measuring import evaluate
 from physgnn.evaluation.measure.result import ModelErrors, Report
 from physgnn.evaluation.measure.rows import Row
-from physgnn.evaluation.measure.run import (
+from physgnn.evaluation.run_evaluation import (
     Comparison,
     evaluate_run,
     evaluate_runs,

@@ -24,7 +24,7 @@ from physgnn.geometry.surface import (
 )
 from physgnn.geometry.surfaces.checks import check_nested, check_surface, contains
 from physgnn.geometry.synthetic.phantom import Phantom, mni152_phantom
-from physgnn.geometry.tetmesh import TetMesh
+from physgnn.geometry.tetmesh import TetMesh, without_unused_points
 
 __all__ = [
     "RULES",
@@ -57,4 +57,5 @@ __all__ = [
     "tetrahedralize",
     "vertex_normals",
     "volume",
+    "without_unused_points",
 ]

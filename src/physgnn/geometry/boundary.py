@@ -1,13 +1,12 @@
 """The outer boundary of a tetrahedral mesh."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physgnn.arrays import IntArray
+from physgnn.geometry.cell_checks import CELL_FACES
 from physgnn.geometry.surface import FaceArray, Surface
 from physgnn.geometry.tetmesh import TetMesh
-
-# The faces of a positive tetrahedron, counter-clockwise seen from outside.
-CELL_FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 
 
 def boundary_faces(mesh: TetMesh) -> FaceArray:
@@ -15,7 +14,16 @@ def boundary_faces(mesh: TetMesh) -> FaceArray:
 
     A tumour's surface lies between two cells and is not among them.
     """
-    faces = mesh.cells[:, CELL_FACES].reshape(-1, 3)
+    return _faces_of_one(mesh.cells)
+
+
+def region_faces(mesh: TetMesh, label: int) -> FaceArray:
+    """Return the faces round a region's cells, outward, shape (n_faces, 3)."""
+    return _faces_of_one(mesh.cells[mesh.region == label])
+
+
+def _faces_of_one(cells: NDArray[np.int32]) -> FaceArray:
+    faces = cells[:, CELL_FACES].reshape(-1, 3)
     _, first, count = np.unique(
         np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
     )

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
-from physgnn.errors import InputError
+from physgnn.geometry.array_checks import checked_indices, checked_points
 
 FaceArray = NDArray[np.int32]
 
@@ -26,38 +26,18 @@ class Surface:
     Raises
     ------
     InputError
-        If the surface is empty, a coordinate is not finite or an index is not
-        that of a point.
+        If the surface is empty, a coordinate is not finite and real, or an index is
+        not the integer index of a point.
     """
 
     points: FloatArray
     faces: FaceArray
 
     def __post_init__(self) -> None:
-        points = np.ascontiguousarray(self.points, dtype=np.float64)
-        faces = np.ascontiguousarray(self.faces, dtype=np.int32)
+        points = checked_points(self.points, "surface points")
+        faces = checked_indices(self.faces, len(points), "faces", corners=3)
         object.__setattr__(self, "points", points)
-        object.__setattr__(self, "faces", faces)
-        if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
-            raise InputError(
-                "a surface needs points of shape (n_points, 3), n_points ≥ 1 "
-                f"(got {points.shape})"
-            )
-        if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:
-            raise InputError(
-                "a surface needs faces of shape (n_faces, 3), n_faces ≥ 1 "
-                f"(got {faces.shape})"
-            )
-        if not np.isfinite(points).all():
-            bad = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
-            raise InputError(
-                f"surface points must be finite (point {bad} is {points[bad]})"
-            )
-        if faces.min() < 0 or faces.max() >= len(points):
-            raise InputError(
-                f"surface faces must index 0…{len(points) - 1} "
-                f"(got {faces.min()}…{faces.max()})"
-            )
+        object.__setattr__(self, "faces", np.ascontiguousarray(faces, dtype=np.int32))
 
     @property
     def n_points(self) -> int:
@@ -103,7 +83,7 @@ def directed_edges(faces: FaceArray) -> FaceArray:
 
 
 def merge(surfaces: list[Surface]) -> Surface:
-    """Return the surfaces as one, points sorted by (x, y, z) and each kept once."""
+    """Return the surfaces as one, points sorted by (x, y, z) duplicates removed."""
     starts = np.cumsum([0, *(surface.n_points for surface in surfaces)])
     faces = [
         surface.faces + start for surface, start in zip(surfaces, starts, strict=False)

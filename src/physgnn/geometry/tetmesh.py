@@ -11,6 +11,17 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
+from physgnn.geometry.array_checks import (
+    checked_indices,
+    checked_labels,
+    checked_points,
+)
+from physgnn.geometry.cell_checks import (
+    check_corners,
+    check_faces,
+    check_used,
+    check_volumes,
+)
 
 
 def shape_gradients(points: FloatArray, cells: NDArray[np.integer[Any]]) -> FloatArray:
@@ -43,7 +54,9 @@ class TetMesh:
     Raises
     ------
     InputError
-        If shapes, indices, coordinates or cell orientation are not as above.
+        If shapes, indices, coordinates or cell orientation are not as above, a point
+        belongs to no cell (see `without_unused_points`), or two cells overlap at a
+        face they share. Compiled code relies on all of this.
     """
 
     points: FloatArray
@@ -52,58 +65,25 @@ class TetMesh:
     point_sets: Mapping[str, IntArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        points = np.ascontiguousarray(self.points, dtype=np.float64)
-        cells = np.ascontiguousarray(self.cells, dtype=np.int32)
-        region = np.ascontiguousarray(self.region, dtype=np.int32)
+        points = checked_points(self.points, "points")
+        cells = checked_indices(self.cells, len(points), "cells", corners=4)
+        region = checked_labels(self.region, len(cells), "region")
         sets = {
-            name: np.asarray(ids, dtype=np.int64).ravel()
+            name: checked_indices(ids, len(points), f"point set '{name}'")
             for name, ids in self.point_sets.items()
         }
+        check_corners(cells)
+        cells32 = np.ascontiguousarray(cells, dtype=np.int32)
         for name, value in (
             ("points", points),
-            ("cells", cells),
+            ("cells", cells32),
             ("region", region),
             ("point_sets", sets),
         ):
             object.__setattr__(self, name, value)
-        self._check()
-
-    def _check(self) -> None:
-        n_points = self.n_points
-        if self.points.ndim != 2 or self.points.shape[1] != 3 or n_points == 0:
-            raise InputError(
-                f"points must have shape (n_points, 3) (got {self.points.shape})"
-            )
-        if self.cells.ndim != 2 or self.cells.shape[1] != 4 or len(self.cells) == 0:
-            raise InputError(
-                f"cells must have shape (n_cells, 4) (got {self.cells.shape})"
-            )
-        if self.region.shape != (self.n_cells,):
-            raise InputError(
-                f"region must have one label a cell, ({self.n_cells},) "
-                f"(got {self.region.shape})"
-            )
-        if not np.isfinite(self.points).all():
-            bad = int(np.flatnonzero(~np.isfinite(self.points).all(axis=1))[0])
-            raise InputError(f"points must be finite (point {bad} is not)")
-        if self.cells.min() < 0 or self.cells.max() >= n_points:
-            raise InputError(
-                f"cells must index 0…{n_points - 1} "
-                f"(got {self.cells.min()}…{self.cells.max()})"
-            )
-        if (self.cell_volumes <= 0).any():
-            bad = int(np.flatnonzero(self.cell_volumes <= 0)[0])
-            raise InputError(
-                "cells must have positive volume "
-                f"(cell {bad} has {self.cell_volumes[bad]:.3g} mm³); "
-                "swap two of its points or remove it"
-            )
-        for name, ids in self.point_sets.items():
-            if len(ids) and (ids.min() < 0 or ids.max() >= n_points):
-                raise InputError(
-                    f"point set '{name}' must index 0…{n_points - 1} "
-                    f"(got {ids.min()}…{ids.max()})"
-                )
+        check_volumes(self.cell_volumes)
+        check_used(points, cells32)
+        check_faces(cells32)
 
     @property
     def n_points(self) -> int:
@@ -154,3 +134,46 @@ def signed_volumes(points: FloatArray, cells: NDArray[np.integer[Any]]) -> Float
     a, b, c, d = (points[cells[:, i]] for i in range(4))
     volumes: FloatArray = np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
     return volumes
+
+
+def without_unused_points(
+    points: FloatArray,
+    cells: NDArray[np.integer[Any]],
+    region: NDArray[np.int32],
+    point_sets: Mapping[str, IntArray] | None = None,
+) -> tuple[TetMesh, IntArray]:
+    """Return a mesh of the points that cells have, and which of the points they were.
+
+    Parameters
+    ----------
+    points, cells, region, point_sets
+        As of a `TetMesh`, but points may belong to no cell. The sets lose them.
+
+    Returns
+    -------
+    mesh : TetMesh
+        Its points in the same order.
+    used : (n_points of the mesh,) integer array
+        The index each point had. A field on all points is ``field[used]`` on the mesh.
+
+    Raises
+    ------
+    InputError
+        If anything else is wrong with the mesh.
+    """
+    where = checked_points(points, "points")
+    corners = checked_indices(cells, len(where), "cells", corners=4)
+    used = np.unique(corners)
+    index = np.full(len(where), -1, dtype=np.int64)
+    index[used] = np.arange(len(used))
+    sets = {
+        name: index[checked_indices(ids, len(where), f"point set '{name}'")]
+        for name, ids in (point_sets or {}).items()
+    }
+    mesh = TetMesh(
+        where[used],
+        index[corners].astype(np.int32),
+        region,
+        point_sets={name: ids[ids >= 0] for name, ids in sets.items()},
+    )
+    return mesh, used

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from physgnn.errors import InputError
+from physgnn.geometry.array_checks import checked_numbers
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_file
 from physgnn.io.simulation import Simulation, solution_of
@@ -115,11 +116,14 @@ def _checked(found: dict[str, np.ndarray[Any, Any]]) -> Arrays:
 
 
 def _simulations(source: str, arrays: Arrays) -> list[Simulation]:
-    fixed = np.asarray(arrays["fixed"], dtype=np.int64).ravel()
     mesh = TetMesh(
-        arrays["points"], arrays["cells"], arrays["region"], point_sets={"fixed": fixed}
+        arrays["points"],
+        arrays["cells"],
+        arrays["region"],
+        point_sets={"fixed": arrays["fixed"]},
     )
-    factors = np.asarray(arrays["load_factors"], dtype=np.float64)
+    fixed = mesh.point_set("fixed")
+    factors = checked_numbers(arrays["load_factors"], "load_factors")
     simulations = []
     for i, (nodes, forces) in enumerate(
         zip(arrays["load_nodes"], arrays["load_vectors"], strict=True)

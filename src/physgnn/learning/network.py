@@ -26,9 +26,9 @@ import torch
 from torch import Tensor, nn
 
 from physgnn.arrays import FloatArray
+from physgnn.choices import PrecisionName
 from physgnn.errors import InputError
 from physgnn.learning.graph import Graph, graph_of
-from physgnn.learning.physgnn.precision import set_precision
 from physgnn.learning.surrogate import Arrays, Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadCase
@@ -90,6 +90,20 @@ class Network(nn.Module, Surrogate):
     def spare_memory(self, spare: bool) -> None:
         """Train with less memory, if more slowly; not if there is no way to."""
 
+    def set_precision(self, precision: str) -> None:
+        """Choose the precision of the largest products, in training as well.
+
+        Raises
+        ------
+        InputError
+            If the network has no other than float32.
+        """
+        if precision != PrecisionName.FLOAT32:
+            raise InputError(
+                f"{precision} is for the LSTMs of PhysGNN, and this model has none: "
+                "leave precision at float32"
+            )
+
     # What every surrogate owes, made of these.
 
     @torch.inference_mode()
@@ -120,7 +134,7 @@ class Network(nn.Module, Surrogate):
 
     def prepare(self, *, device: str = "cpu", precision: str = "float32") -> None:
         """Move to a device and choose the precision; see `set_precision`."""
-        set_precision(self, precision)
+        self.set_precision(precision)
         self.to(device).eval()
 
     @property

@@ -14,6 +14,7 @@ import numpy as np
 
 from physgnn.arrays import IntArray
 from physgnn.errors import InputError
+from physgnn.geometry.array_checks import checked_indices
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.elements.tangent import Pattern, make_pattern
 from physgnn.mechanics.elements.tet4 import (
@@ -24,6 +25,7 @@ from physgnn.mechanics.elements.tet4 import (
     make_elements,
 )
 from physgnn.mechanics.materials.table import Material
+from physgnn.mechanics.support import check_held
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -42,7 +44,7 @@ class Body:
         "tet4", linear tetrahedra as published, or "tet4-averaged", which do not lock
         as ν nears 0.5 (`physgnn.mechanics.elements.averaged_pressure`).
     factors : Path, optional
-        Folder where the factor of a large body is kept from run to run. It may be
+        Folder where the factor of a large body is stored from run to run. It may be
         deleted at any time.
 
     Attributes
@@ -54,7 +56,7 @@ class Body:
     ------
     InputError
         If a region has no material, a law or the element is unknown, a fixed point is
-        not in the mesh, or there are fewer than three.
+        not in the mesh, or the fixed points leave a part of the mesh free to move.
     """
 
     mesh: TetMesh
@@ -105,16 +107,15 @@ class Body:
 
 def _indices(mesh: TetMesh, fixed: str | IntArray) -> IntArray:
     """Return the fixed points' indices, sorted; InputError if they cannot serve."""
-    points = mesh.point_set(fixed) if isinstance(fixed, str) else np.asarray(fixed)
-    points = np.unique(points).astype(np.int64)
+    points = np.unique(
+        mesh.point_set(fixed)
+        if isinstance(fixed, str)
+        else checked_indices(fixed, mesh.n_points, "fixed points")
+    )
     if len(points) < 3:
         raise InputError(
             f"at least three points must be fixed (got {len(points)}): "
             "otherwise the body floats away"
         )
-    if points[0] < 0 or points[-1] >= mesh.n_points:
-        raise InputError(
-            f"fixed points must index 0…{mesh.n_points - 1} "
-            f"(got {points[0]}…{points[-1]})"
-        )
+    check_held(mesh, points)
     return points

@@ -4,7 +4,7 @@ import numpy as np
 
 from physgnn.arrays import IntArray
 from physgnn.errors import InputError
-from physgnn.geometry.tetmesh import TetMesh
+from physgnn.geometry.tetmesh import TetMesh, without_unused_points
 
 
 def remove_region(mesh: TetMesh, label: int) -> tuple[TetMesh, IntArray]:
@@ -28,20 +28,18 @@ def remove_region(mesh: TetMesh, label: int) -> tuple[TetMesh, IntArray]:
     InputError
         If there is no such region, or nothing else.
     """
-    kept = mesh.region != label
-    if kept.all() or not kept.any():
+    remaining_cells = mesh.region != label
+    if remaining_cells.all() or not remaining_cells.any():
         labels = np.unique(mesh.region).tolist()
         raise InputError(
             f"region {label} cannot be removed: the mesh has regions {labels}"
         )
-    points = np.unique(mesh.cells[kept])
-    index = np.full(mesh.n_points, -1, dtype=np.int64)
-    index[points] = np.arange(len(points))
-    sets = {name: index[ids] for name, ids in mesh.point_sets.items()}
-    remaining = TetMesh(
-        points=mesh.points[points],
-        cells=index[mesh.cells[kept]],
-        region=mesh.region[kept],
-        point_sets={name: ids[ids >= 0] for name, ids in sets.items()},
+    remaining, used = without_unused_points(
+        mesh.points,
+        mesh.cells[remaining_cells],
+        mesh.region[remaining_cells],
+        mesh.point_sets,
     )
+    index = np.full(mesh.n_points, -1, dtype=np.int64)
+    index[used] = np.arange(len(used))
     return remaining, index

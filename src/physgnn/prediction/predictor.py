@@ -215,7 +215,7 @@ class Predictor:
     @cached_property
     def _warm_start(self) -> WarmStartSolver:
         known, threads = self.surrogate.reference_states(), torch.get_num_threads()
-        return WarmStartSolver(self.body, known=known, threads=threads)
+        return WarmStartSolver(self.body, nearest=known, threads=threads)
 
 
 def _read_if_there(file: Path) -> Calibration | None:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.boundary import boundary_points
-from physgnn.geometry.measured_surface import farthest_points
+from physgnn.geometry.measured import farthest_points
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.registration.skull import point_areas
 

@@ -16,8 +16,7 @@ from scipy.sparse import csr_array
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
-from physgnn.geometry.measured_pairs import PointPairs
-from physgnn.geometry.measured_surface import SurfacePoints
+from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.normals import vertex_normals
 from physgnn.geometry.surface import FaceArray, Surface
 from physgnn.geometry.tetmesh import TetMesh

@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.measured_pairs import PointPairs
-from physgnn.geometry.measured_surface import SurfacePoints
+from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.mechanics.body import Body
 from physgnn.prediction.prediction import ErrorBound, Prediction, PredictionStatus
 from physgnn.registration.gaussian import Posterior, choose_variances, condition

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from physgnn.stages.datasets.simulation import simulate as simulate
     from physgnn.stages.datasets.synthetic_patients import anatomies as anatomies
     from physgnn.stages.experiments.ablation import ablate as ablate
+    from physgnn.stages.experiments.bundling import bundle as bundle
     from physgnn.stages.experiments.demonstration import demo as demo
     from physgnn.stages.experiments.reproduction import reproduce as reproduce
-    from physgnn.stages.networks.bundling import bundle as bundle
     from physgnn.stages.networks.evaluation import evaluate as evaluate
     from physgnn.stages.networks.published_weights import published as published
     from physgnn.stages.networks.training import train as train
@@ -35,7 +35,7 @@ _HOME = {
     "ablate": "experiments.ablation",
     "adapt": "patient.adaptation",
     "anatomies": "datasets.synthetic_patients",
-    "bundle": "networks.bundling",
+    "bundle": "experiments.bundling",
     "demo": "experiments.demonstration",
     "evaluate": "networks.evaluation",
     "export": "datasets.exchange",

@@ -190,6 +190,8 @@ def test_refuses_to_overwrite_or_to_resume_something_else(
         {"learning_rate": -1.0},
         {"weight_decay": -1.0},
         {"plateau_factor": 1.0},
+        {"learning_rate": float("inf")},
+        {"seed": -1},
         {"max_minutes": 0.0},
     ],
 )

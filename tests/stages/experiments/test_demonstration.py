@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from physgnn.dataset import PRESETS
-from physgnn.stages.experiments import demonstration
-from physgnn.stages.networks import bundling
+from physgnn.stages.experiments import bundling, demonstration
 
 
 def times(folder: Path) -> dict[Path, int]:

@@ -14,6 +14,7 @@ from physgnn.dataset.storage import layout
 from physgnn.dataset.storage.load_records import distinct, to_record
 from physgnn.dataset.storage.result_rows import result_arrays
 from physgnn.errors import InputError
+from physgnn.geometry.array_checks import checked_indices
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, checked_element
 from physgnn.mechanics.loads.external_force import Loading
@@ -51,7 +52,8 @@ class Definition:
 
     def __post_init__(self) -> None:
         checked_element(self.element)
-        object.__setattr__(self, "fixed", np.asarray(self.fixed, dtype=np.int64))
+        fixed = checked_indices(self.fixed, self.mesh.n_points, "fixed points")
+        object.__setattr__(self, "fixed", fixed)
         object.__setattr__(self, "materials", _needed(self.mesh, self.materials))
         _check_paths(self.mesh, self.paths, self.fixed)
 

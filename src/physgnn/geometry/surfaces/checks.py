@@ -1,4 +1,4 @@
-"""What a surface must be before it is meshed: mended where safe, else refused.
+"""What a surface must be before it is meshed: repaired where safe, else refused.
 
 Every refusal says where, in mm, so that the place can be found in a viewer.
 """
@@ -10,19 +10,17 @@ import numpy as np
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.normals import area_vectors
+from physgnn.geometry.plausibility import check_millimetres
 from physgnn.geometry.surface import Surface, volume
 from physgnn.geometry.surfaces.intersections import crossing_faces
 from physgnn.geometry.surfaces.manifold import edge_counts, orientation, pinched_points
 
-# The diagonal of a bounding box, mm: a small lesion to a large head, with room.
-# Outside of it the file is in other units.
-SMALLEST_DIAGONAL, LARGEST_DIAGONAL = 1.0, 2000.0
 # An area below this fraction of the longest edge squared is rounding.
 FLAT = 1e-10
 
 
 def check_surface(surface: Surface, name: str) -> tuple[Surface, list[str]]:
-    """Return a closed, outward surface and what was mended.
+    """Return a closed, outward surface and what was repaired.
 
     Unused points and collapsed faces are dropped and normals made outward.
 
@@ -36,7 +34,7 @@ def check_surface(surface: Surface, name: str) -> tuple[Surface, list[str]]:
     Returns
     -------
     Surface, list of str
-        The mended surface, and one line for everything that was mended.
+        The repaired surface, and one line for everything that was repaired.
 
     Raises
     ------
@@ -46,7 +44,7 @@ def check_surface(surface: Surface, name: str) -> tuple[Surface, list[str]]:
     """
     notes: list[str] = []
     surface = _without_leftovers(surface, name, notes)
-    _check_units(surface, name)
+    check_millimetres(surface.points, name)
     _check_areas(surface, name)
     _check_edges(surface, name)
     surface = _oriented(surface, name, notes)
@@ -100,27 +98,17 @@ def contains(surface: Surface, point: FloatArray) -> bool:
 def _without_leftovers(surface: Surface, name: str, notes: list[str]) -> Surface:
     """Drop faces that name a point twice, then points of no face."""
     a, b, c = surface.faces.T
-    kept = surface.faces[(a != b) & (b != c) & (c != a)]
-    if len(kept) == 0:
+    faces_with_area = surface.faces[(a != b) & (b != c) & (c != a)]
+    if len(faces_with_area) == 0:
         raise InputError(f"{name}: every face is degenerate: export the surface again")
-    if len(kept) < surface.n_faces:
-        notes.append(f"{name}: {surface.n_faces - len(kept)} collapsed faces dropped")
-    used, faces = np.unique(kept, return_inverse=True)
+    if len(faces_with_area) < surface.n_faces:
+        notes.append(
+            f"{name}: {surface.n_faces - len(faces_with_area)} collapsed faces dropped"
+        )
+    used, faces = np.unique(faces_with_area, return_inverse=True)
     if len(used) < surface.n_points:
         notes.append(f"{name}: {surface.n_points - len(used)} unused points dropped")
     return Surface(surface.points[used], faces.reshape(-1, 3).astype(np.int32))
-
-
-def _check_units(surface: Surface, name: str) -> None:
-    diagonal = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
-    if SMALLEST_DIAGONAL <= diagonal <= LARGEST_DIAGONAL:
-        return
-    too_small = diagonal < SMALLEST_DIAGONAL
-    unit, factor = ("metres", "1000") if too_small else ("micrometres", "0.001")
-    raise InputError(
-        f"{name}: coordinates must be in mm (its bounding box has a diagonal of "
-        f"{diagonal:.3g}, which looks like {unit}): multiply them by {factor}"
-    )
 
 
 def _check_areas(surface: Surface, name: str) -> None:

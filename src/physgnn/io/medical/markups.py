@@ -11,7 +11,7 @@ import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.measured_pairs import PointPairs
+from physgnn.geometry.measured import PointPairs
 from physgnn.imaging.transforms import points_to_ras
 
 PAIR_COLUMNS = [f"{end}_{axis}" for end in ("source", "target") for axis in "xyz"]

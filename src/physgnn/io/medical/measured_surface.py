@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from physgnn.errors import InputError
-from physgnn.geometry.measured_surface import SurfacePoints
+from physgnn.geometry.measured import SurfacePoints
 from physgnn.io.medical.markups import MARKUP_READERS, read_points
 from physgnn.io.surfaces.formats import SURFACE_READERS, read_surface
 

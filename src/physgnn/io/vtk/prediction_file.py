@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.boundary import boundary_faces
+from physgnn.geometry.boundary import boundary_faces, region_faces
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_file
 from physgnn.io.vtk.reader import read_vtk
@@ -87,9 +87,6 @@ def _surfaces(mesh: TetMesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Return the faces of the whole body and of every region inside, and whose."""
     faces = [boundary_faces(mesh)]
     labels = [0, *np.unique(mesh.region[mesh.region > 0]).tolist()]
-    for label in labels[1:]:
-        inside = mesh.region == label
-        part = TetMesh(mesh.points, mesh.cells[inside], mesh.region[inside])
-        faces.append(boundary_faces(part))
+    faces += [region_faces(mesh, label) for label in labels[1:]]
     whose = np.repeat(labels, [len(f) for f in faces]).astype(np.int32)
     return np.concatenate(faces), whose

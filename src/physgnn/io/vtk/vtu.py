@@ -101,8 +101,7 @@ def mesh_of(grid: pv.DataSet) -> TetMesh:
         cells=grid.cell_connectivity.reshape(-1, 4),
         region=grid.cell_data["region"],
         point_sets={
-            # a copy: VTK's 64-bit integers are not the type of NumPy's
-            name.removeprefix(SET_PREFIX): np.array(grid.field_data[name], np.int64)
+            name.removeprefix(SET_PREFIX): np.array(grid.field_data[name])
             for name in grid.field_data.keys()  # noqa: SIM118 (no mapping)
             if name.startswith(SET_PREFIX)
         },

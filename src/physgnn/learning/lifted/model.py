@@ -243,7 +243,7 @@ class LiftedModel(Network):
 
     def refine(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
         """Bring the cells near a force on few points into equilibrium."""
-        return self._near_loads.settled(load_case, displacement)
+        return self._near_loads.corrected(load_case, displacement)
 
     def _project(self, terms: Tensor) -> Tensor:
         """Return (batch, 3 · modes) products of three fields with the modes."""

@@ -12,6 +12,7 @@ from physgnn.learning.physgnn.features import load_features, physical_property
 from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
 from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.physgnn.normalization import Normalizer
+from physgnn.learning.physgnn.precision import set_precision
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadCase
 
@@ -68,6 +69,10 @@ class PhysGNNModel(Network):
         for module in self.network.modules():
             if isinstance(module, JumpingKnowledge):
                 module.compiled.keep_states = not spare
+
+    def set_precision(self, precision: str) -> None:
+        """Choose the precision of the LSTMs' products."""
+        set_precision(self, precision)
 
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:
         """Return displacement in mm, (batch, n_points, 3)."""

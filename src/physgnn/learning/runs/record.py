@@ -2,8 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, replace
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -11,41 +10,45 @@ from typing import Any
 import numpy as np
 
 from physgnn.dataset.splits.samples import Split
+from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.models import resolved_options
 from physgnn.learning.runs.folder import RunFolder
-from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.multi_mesh import Splits, Stores, training_meshes
 
 VERSIONED = ("physgnn", "torch", "lightning", "numpy")
 EXTENDABLE = {"clock", "max_epochs", "max_minutes", "memory_mb"}
 
 
 def new_record(
-    stores: Stores, splits: Splits, config: TrainingConfig
+    meshes: Sequence[tuple[Store, Split]], config: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return what is known before training, on one dataset or on several."""
-    members = training_meshes(stores, splits)
-    options = resolved_options(config.model, config.options)
-    hashes = [member.store.content_hash() for member in members]
-    split = members[0].split
+    """Return what is known before training.
+
+    Parameters
+    ----------
+    meshes : sequence of (Store, Split)
+        One dataset or several, and what of each is used how.
+    config : mapping
+        The fields of a `physgnn.learning.training.config.TrainingConfig`.
+    """
+    stores, splits = zip(*meshes, strict=True)
+    options = resolved_options(config["model"], config["options"])
+    hashes = [store.content_hash() for store in stores]
     return {
-        "config": asdict(replace(config, options=options)),
+        "config": {**config, "options": options},
         "versions": {name: version(name) for name in VERSIONED},
         "data": {
-            "path": str(members[0].store.path),
-            "paths": [str(member.store.path) for member in members],
-            "hash": hashes[0] if len(hashes) == 1 else _digest("".join(hashes)),
-            "meshes": [member.store.mesh.content_hash for member in members],
+            "path": str(stores[0].path),
+            "paths": [str(store.path) for store in stores],
+            "hash": _joint(hashes),
+            "meshes": [store.mesh.content_hash for store in stores],
         },
         "split": {
-            "name": split.name,
-            "train": sum(len(member.split.train) for member in members),
-            "validation": sum(len(member.split.validation) for member in members),
-            "test": sum(len(member.split.test) for member in members),
-            "hash": _split_hash(split)
-            if len(members) == 1
-            else _digest("".join(_split_hash(member.split) for member in members)),
+            "name": splits[0].name,
+            "train": sum(len(split.train) for split in splits),
+            "validation": sum(len(split.validation) for split in splits),
+            "test": sum(len(split.test) for split in splits),
+            "hash": _joint([_split_hash(split) for split in splits]),
         },
     }
 
@@ -97,10 +100,21 @@ def processor_minutes(record: Mapping[str, Any]) -> float:
     return float(training.get("processor_minutes", training["minutes"]))
 
 
-def check_same_run(run: Path, record: Mapping[str, Any]) -> None:
+def check_same_run(
+    run: Path, record: Mapping[str, Any], defaults: Mapping[str, Any]
+) -> None:
     """Raise InputError unless a run can be resumed with this record's data and config.
 
     Only budget and memory may differ.
+
+    Parameters
+    ----------
+    run : path
+        The folder of the run.
+    record : mapping
+        That of `new_record`.
+    defaults : mapping
+        The configuration by default: what an earlier version had no setting for was so.
     """
     try:
         earlier = json.loads(RunFolder(run).record.read_text())
@@ -112,8 +126,7 @@ def check_same_run(run: Path, record: Mapping[str, Any]) -> None:
                 f"{run} was trained on another {part}; resume it with the same, or "
                 "start a new run"
             )
-    # What an earlier version had no setting for was as it is by default.
-    new, old = record["config"], {**asdict(TrainingConfig()), **earlier["config"]}
+    new, old = record["config"], {**defaults, **earlier["config"]}
     for name in sorted(new.keys() - EXTENDABLE):
         if new[name] != old.get(name):
             raise InputError(
@@ -122,8 +135,11 @@ def check_same_run(run: Path, record: Mapping[str, Any]) -> None:
             )
 
 
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
+def _joint(hashes: Sequence[str]) -> str:
+    """Return the hash of several; of one, itself."""
+    if len(hashes) == 1:
+        return hashes[0]
+    return hashlib.sha256("".join(hashes).encode()).hexdigest()
 
 
 def _split_hash(split: Split) -> str:

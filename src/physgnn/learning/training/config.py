@@ -1,5 +1,6 @@
 """All that decides how a run is trained, checked when it's made."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -94,10 +95,12 @@ class TrainingConfig:
         for name in (
             "batch_size", "learning_rate", "early_stopping", "max_epochs", "memory_mb"
         ):  # fmt: skip
-            if not getattr(self, name) > 0:
+            if not 0 < getattr(self, name) < math.inf:
                 raise InputError(f"{name} must be > 0 (got {getattr(self, name)})")
-        for name in ("weight_decay", "plateau_patience", "minimum_learning_rate"):
-            if not getattr(self, name) >= 0:
+        for name in (
+            "weight_decay", "plateau_patience", "minimum_learning_rate", "seed"
+        ):  # fmt: skip
+            if not 0 <= getattr(self, name) < math.inf:
                 raise InputError(f"{name} must be ≥ 0 (got {getattr(self, name)})")
         if not 0 < self.plateau_factor < 1:
             raise InputError(

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,6 @@ from physgnn.learning.cpu import only_side_by_side
 from physgnn.learning.graph import graph_of
 from physgnn.learning.models import build_model, model_class
 from physgnn.learning.network import Network
-from physgnn.learning.physgnn.precision import set_precision
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.model_card import write_model_card
@@ -105,7 +105,7 @@ def train(
     """
     run = Path(run)
     members = training_meshes(store, split)
-    record = new_record(store, split, config)
+    record = new_record(members, asdict(config))
     if not issubclass(model_class(config.model), Network):
         if len(members) > 1 or resume or start is not None:
             raise InputError(
@@ -122,7 +122,7 @@ def train(
         stack.enter_context(_seeded(config.seed))
         models = build_models(members, config, start.model if start else None)
         for model in models:
-            set_precision(model, config.precision)
+            model.set_precision(config.precision)
         caches = [stack.enter_context(SampleCache(run)) for _ in models]
         samples, held_out = fitted_samples(members, models, caches, config.seed)
         best = KeepBest(
@@ -187,7 +187,7 @@ def _prepare(run: Path, record: dict[str, Any], *, resume: bool) -> None:
     """Make the run's folder, with its record; InputError if what it holds won't do."""
     files = RunFolder(run)
     if resume:
-        check_same_run(run, record)
+        check_same_run(run, record, asdict(TrainingConfig()))
         if not files.state.exists():
             raise InputError(
                 f"{run} holds no run to resume: it has no {files.state.name}"

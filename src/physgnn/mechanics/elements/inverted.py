@@ -1,6 +1,6 @@
 """The internal force of states with inverted cells, which have no stress.
 
-Where det F ≤ J₀ the stress is continued along the straight line from the undeformed
+Where det F ≤ J₀ the stress is extrapolated along the straight line from the undeformed
 cell: with F₀ = I + t (F − I) the last point of it at which det ≥ J₀,
 
     P(F) = P(F₀) + ∂P/∂F(F₀) : (F − F₀),
@@ -21,7 +21,7 @@ BISECTIONS = 40
 
 
 @njit(cache=True)
-def _continued_force(cells, gradients, volumes, law, constants, u, force):  # type: ignore[no-untyped-def]
+def _extrapolated_force(cells, gradients, volumes, law, constants, u, force):  # type: ignore[no-untyped-def]
     F, H, P = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     A, corner = np.empty((3, 3, 3, 3)), np.arange(4)
     n_inverted = 0
@@ -70,7 +70,7 @@ def extrapolated_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, i
         Cells with det F ≤ 0.
     """
     force = np.zeros_like(u)
-    n_inverted = _continued_force(
+    n_inverted = _extrapolated_force(
         elements.cells,
         elements.gradients,
         elements.volumes,

@@ -1,6 +1,6 @@
 """Linear tetrahedra: internal force, energy and tangent.
 
-Every kernel loops over cells in order and adds up in that order, so an answer does
+Every kernel loops over cells in order and adds up in that order, so a result does
 not depend on the number of threads or on the machine's scheduling.
 """
 
@@ -126,9 +126,9 @@ def _add_force(cell, gradient, volume, P, force):  # type: ignore[no-untyped-def
         x, y, z = volume * P[i, 0], volume * P[i, 1], volume * P[i, 2]
         total = 0.0
         for a in range(1, 4):
-            share = x * gradient[a, 0] + y * gradient[a, 1] + z * gradient[a, 2]
-            force[cell[a], i] += share
-            total += share
+            part = x * gradient[a, 0] + y * gradient[a, 1] + z * gradient[a, 2]
+            force[cell[a], i] += part
+            total += part
         force[cell[0], i] -= total  # a cell pulls on nothing but its own corners
 
 

@@ -62,11 +62,13 @@ def descend(
         if status is not None:
             return Equilibrium(descent.state, status, norm(descent.r))
         status = descent.step()
-    return Equilibrium(descent.state, status or Status.ITERATION_LIMIT, norm(descent.r))
+    # CONVERGED is 0, so `or` would take it for none.
+    status = Status.ITERATION_LIMIT if status is None else status
+    return Equilibrium(descent.state, status, norm(descent.r))
 
 
 class _Descent:
-    """A state on its way down, and what is known of the factor in use."""
+    """A state on its way down, and what was seen of the factor in use."""
 
     def __init__(
         self,

@@ -48,6 +48,9 @@ class SolverOptions:
                 "tolerance_mm must be > 0 and min_step in (0, 1) "
                 f"(got {self.tolerance_mm}, {self.min_step})"
             )
+        for name in ("max_iterations", "threads"):
+            if not getattr(self, name) >= 1:
+                raise InputError(f"{name} must be ≥ 1 (got {getattr(self, name)})")
 
 
 DEFAULT_OPTIONS = SolverOptions()
@@ -129,7 +132,7 @@ def _follow(iteration: QuasiNewton, path: LoadPath, min_step: float) -> Solution
     slope = _slope_at_rest(iteration)
     walk = PathFollower(iteration, lambda factor: factor * slope, min_step=min_step)
     for level, target in enumerate(path.load_factors.tolist()):
-        found, remark = walk.advance_or_fall(target)
+        found, remark = walk.advance_or_snap_through(target)
         if remark:
             remarks.append(remark)
         status[level] = found.status

@@ -7,6 +7,7 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
+from physgnn.geometry.array_checks import checked_indices, checked_numbers
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
@@ -30,7 +31,7 @@ class LoadCase:
     ------
     InputError
         If shapes disagree, a node comes twice, a force is NaN, or all are zero
-        (``allow_zero`` is not offered: the answer to no load is no displacement).
+        (``allow_zero`` is not offered: without a load there is no displacement).
     """
 
     nodes: IntArray
@@ -85,7 +86,7 @@ class LoadPath:
         else:
             nodes, forces = checked_forces(self.nodes, self.forces)
         object.__setattr__(self, "more", more)
-        factors = np.asarray(self.load_factors, dtype=np.float64).ravel()
+        factors = checked_numbers(self.load_factors, "load_factors").ravel()
         if len(factors) == 0 or not np.isfinite(factors).all():
             raise InputError("load_factors must be one or more finite numbers")
         if factors[0] <= 0 or factors[-1] > 1 or (np.diff(factors) <= 0).any():
@@ -129,11 +130,8 @@ class LoadPath:
 
 def checked_forces(nodes: IntArray, forces: FloatArray) -> tuple[IntArray, FloatArray]:
     """Return nodes and forces as arrays of the right shape, or raise InputError."""
-    nodes = np.asarray(nodes)
-    if nodes.size and not np.issubdtype(nodes.dtype, np.integer):
-        raise InputError(f"nodes must be integers (got {nodes.dtype})")
-    nodes = nodes.astype(np.int64).ravel()
-    forces = np.asarray(forces, dtype=np.float64)
+    nodes = checked_indices(nodes, None, "nodes")
+    forces = checked_numbers(forces, "forces")
     if len(nodes) == 0 or forces.shape != (len(nodes), 3):
         raise InputError(
             f"forces must have shape (n_loaded, 3) with n_loaded = {len(nodes)} ≥ 1 "

@@ -1,4 +1,4 @@
-"""Displacements that are known: surface points pushed to measured places."""
+"""Prescribed displacements: surface points moved to measured places."""
 
 from dataclasses import dataclass
 
@@ -6,12 +6,13 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
+from physgnn.geometry.array_checks import checked_indices, checked_numbers
 from physgnn.geometry.tetmesh import TetMesh
 
 
 @dataclass(frozen=True, eq=False)
 class PrescribedDisplacement:
-    """Points that go where they are told, in proportion to the load factor.
+    """Points moved by given displacements, in proportion to the load factor.
 
     Parameters
     ----------
@@ -30,13 +31,10 @@ class PrescribedDisplacement:
     displacement: FloatArray
 
     def __post_init__(self) -> None:
-        nodes = np.asarray(self.nodes)
-        displacement = np.asarray(self.displacement, dtype=np.float64)
-        if nodes.size == 0 or not np.issubdtype(nodes.dtype, np.integer):
-            raise InputError(
-                f"nodes must be one or more integers (got {nodes.size} {nodes.dtype})"
-            )
-        nodes = nodes.astype(np.int64).ravel()
+        nodes = checked_indices(self.nodes, None, "nodes")
+        displacement = checked_numbers(self.displacement, "displacement")
+        if nodes.size == 0:
+            raise InputError("nodes must be one or more integers (got none)")
         if displacement.shape != (len(nodes), 3):
             raise InputError(
                 f"displacement must have shape ({len(nodes)}, 3), one row a node "
@@ -51,8 +49,4 @@ class PrescribedDisplacement:
 
     def check_against(self, mesh: TetMesh) -> None:
         """Raise InputError if a point is missing from the mesh."""
-        if self.nodes.min() < 0 or self.nodes.max() >= mesh.n_points:
-            raise InputError(
-                f"prescribed nodes must index 0…{mesh.n_points - 1} "
-                f"(got {self.nodes.min()}…{self.nodes.max()})"
-            )
+        checked_indices(self.nodes, mesh.n_points, "prescribed nodes")

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
+from physgnn.geometry.array_checks import checked_indices
 from physgnn.geometry.boundary import boundary_faces
 from physgnn.geometry.tetmesh import TetMesh
 
@@ -35,11 +36,7 @@ class SurfacePressure:
     pressure_pa: float
 
     def __post_init__(self) -> None:
-        faces = np.asarray(self.faces, dtype=np.int64)
-        if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:
-            raise InputError(
-                f"faces must have shape (n_faces, 3), n_faces ≥ 1 (got {faces.shape})"
-            )
+        faces = checked_indices(self.faces, None, "faces", corners=3)
         if not np.isfinite(self.pressure_pa) or self.pressure_pa == 0:
             raise InputError(
                 f"pressure_pa must be finite and not 0 (got {self.pressure_pa})"
@@ -48,11 +45,7 @@ class SurfacePressure:
 
     def check_against(self, mesh: TetMesh) -> None:
         """Raise InputError if a face names a point that the mesh has not."""
-        if self.faces.min() < 0 or self.faces.max() >= mesh.n_points:
-            raise InputError(
-                f"faces must index 0…{mesh.n_points - 1} "
-                f"(got {self.faces.min()}…{self.faces.max()})"
-            )
+        checked_indices(self.faces, mesh.n_points, "faces", corners=3)
 
     def bind(self, mesh: TetMesh) -> Callable[[FloatArray, float], FloatArray]:
         """Return force(u, load factor), (n_points, 3), N."""
@@ -60,9 +53,9 @@ class SurfacePressure:
         def force(u: FloatArray, load_factor: float) -> FloatArray:
             a, b, c = (mesh.points + u)[self.faces].transpose(1, 0, 2)
             area = np.cross(b - a, c - a) / 2
-            share = -1e-6 * self.pressure_pa * load_factor * area / 3
+            at_corner = -1e-6 * self.pressure_pa * load_factor * area / 3
             total = np.zeros_like(u)
-            np.add.at(total, self.faces, share[:, None])
+            np.add.at(total, self.faces, at_corner[:, None])
             return total
 
         return force
@@ -83,7 +76,11 @@ def faces_within(mesh: TetMesh, points: str | IntArray) -> NDArray[np.int32]:
         If no face qualifies.
     """
     chosen = np.zeros(mesh.n_points, dtype=bool)
-    chosen[mesh.point_set(points) if isinstance(points, str) else points] = True
+    chosen[
+        mesh.point_set(points)
+        if isinstance(points, str)
+        else checked_indices(points, mesh.n_points, "points of the surface")
+    ] = True
     faces = boundary_faces(mesh)
     inside: NDArray[np.int32] = faces[chosen[faces].all(axis=1)]
     if len(inside) == 0:

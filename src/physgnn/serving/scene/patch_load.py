@@ -8,7 +8,7 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry import boundary_points, boundary_surface, vertex_normals
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads.patch_sampling import patch_shares
+from physgnn.mechanics.loads.patch_sampling import patch_load_fractions
 from physgnn.mechanics.loads.paths import LoadCase
 
 REACH_MM = 10.0  # a touch farther from every exposed node than this is none
@@ -80,6 +80,6 @@ def push(
             f"point must lie on the exposed surface (it is {distance[nearest]:.0f} mm "
             "away)"
         )
-    share = patch_shares(distance / radius_mm, exposed.normals, nearest)
+    share = patch_load_fractions(distance / radius_mm, exposed.normals, nearest)
     loaded = np.flatnonzero(share)
     return LoadCase(exposed.nodes[loaded], share[loaded, None] * np.asarray(force_n))

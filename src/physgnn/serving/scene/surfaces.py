@@ -7,6 +7,7 @@ import numpy as np
 
 from physgnn.arrays import IntArray
 from physgnn.geometry import TetMesh, boundary_faces
+from physgnn.geometry.boundary import region_faces
 from physgnn.geometry.regions import BRAIN, region_name
 
 
@@ -31,9 +32,7 @@ class Shown:
         """Return the outer surface and that of every region inside."""
         surfaces = {region_name(BRAIN): boundary_faces(mesh)}
         for label in np.unique(mesh.region[mesh.region > 0]).tolist():
-            inside = mesh.region == label
-            part = TetMesh(mesh.points, mesh.cells[inside], mesh.region[inside])
-            surfaces[region_name(label)] = boundary_faces(part)
+            surfaces[region_name(label)] = region_faces(mesh, label)
         nodes = np.unique(np.concatenate([f.ravel() for f in surfaces.values()]))
         return cls(
             nodes.astype(np.int64),

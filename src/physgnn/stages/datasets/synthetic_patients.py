@@ -41,10 +41,12 @@ def anatomies(
     Raises
     ------
     InputError
-        If count is below 1, or too many patients cannot be meshed.
+        If count is below 1 or the seed below 0, or too many patients cannot be meshed.
     """
     if count < 1:
         raise InputError(f"count must be ≥ 1 (got {count})")
+    if seed < 0:
+        raise InputError(f"seed must be ≥ 0 (got {seed})")
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     made: list[Path] = []

@@ -23,7 +23,7 @@ from physgnn.stages.patient.meshing import mesh_surfaces
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.measure.result import Report
-    from physgnn.evaluation.measure.run import Comparison
+    from physgnn.evaluation.run_evaluation import Comparison
     from physgnn.learning.training.config import TrainingConfig
 
 
@@ -133,7 +133,7 @@ class Pipeline:
     ) -> "Report":
         """Measure networks on what none of them was trained on; the last is judged."""
         from physgnn.evaluation.measure.result import Report
-        from physgnn.evaluation.measure.run import Comparison, evaluate_runs
+        from physgnn.evaluation.run_evaluation import Comparison, evaluate_runs
 
         made = runs[-1].evaluation(split)
         if self.is_there(made.report):

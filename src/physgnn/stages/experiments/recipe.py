@@ -52,7 +52,7 @@ class Recipe:
 
     def follow(self, pipeline: Pipeline) -> "Report":
         """Do what is not done yet; return the errors on paths never trained on."""
-        from physgnn.evaluation.measure.run import Comparison
+        from physgnn.evaluation.run_evaluation import Comparison
         from physgnn.learning.training.config import TrainingConfig
 
         pipeline.mesh(self._surfaces, target_points=self.target_points)

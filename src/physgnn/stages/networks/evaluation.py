@@ -54,7 +54,7 @@ def evaluate(
         If a folder or an option cannot be used, or a run was trained on some of the
         test samples.
     """
-    from physgnn.evaluation.measure.run import Comparison, evaluate_runs
+    from physgnn.evaluation.run_evaluation import Comparison, evaluate_runs
 
     folders = [runs] if isinstance(runs, str | Path) else list(runs)
     return evaluate_runs(

@@ -88,7 +88,9 @@ def mesh(
             segmentation,
             labels,
             brain_mask=brain_mask,
-            target_points=target_points or MESHED_LABELS_POINTS,
+            target_points=(
+                MESHED_LABELS_POINTS if target_points is None else target_points
+            ),
             smoothing_mm=smoothing_mm,
             closing_mm=closing_mm,
             **shared,

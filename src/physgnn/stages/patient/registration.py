@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from physgnn.config import read_materials
 from physgnn.errors import InputError
-from physgnn.geometry.measured_pairs import PointPairs
-from physgnn.geometry.measured_surface import SurfacePoints
+from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.regions import REGIONS
 from physgnn.io import read_mesh
 from physgnn.io.answer_files import DisplacementFields, form_of

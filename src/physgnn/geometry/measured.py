@@ -1,4 +1,4 @@
-"""A measured surface: where it lies now, not which of its points was where."""
+"""What was measured of a shift: pairs of points, or where a surface lies now."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,46 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
+from physgnn.geometry.array_checks import checked_points
 
-FEWEST = 10
+FEWEST_PAIRS, FEWEST_POINTS = 3, 10
+
+
+@dataclass(frozen=True, eq=False)
+class PointPairs:
+    """Where points were and where they are now.
+
+    Parameters
+    ----------
+    source : (n, 3) array
+        In the rest state, mm, world axes RAS+.
+    target : (n, 3) array
+        The same points after the shift.
+
+    Raises
+    ------
+    InputError
+        If the two differ in number, there are fewer than three, or one is not finite.
+    """
+
+    source: FloatArray
+    target: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("source", "target"):
+            points = checked_points(getattr(self, name), f"{name} points")
+            object.__setattr__(self, name, points)
+        if not len(self.source) == len(self.target) >= FEWEST_PAIRS:
+            raise InputError(
+                "every source point needs its target, and there must be three pairs or "
+                f"more (got {len(self.source)} and {len(self.target)})"
+            )
+
+    @property
+    def displacement(self) -> FloatArray:
+        """How each point moved, mm, shape (n, 3)."""
+        moved: FloatArray = self.target - self.source
+        return moved
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,16 +66,12 @@ class SurfacePoints:
     points: FloatArray
 
     def __post_init__(self) -> None:
-        points = np.array(self.points, dtype=np.float64)
+        points = checked_points(self.points, "points of a surface")
         object.__setattr__(self, "points", points)
-        if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+        if len(points) < FEWEST_POINTS:
             raise InputError(
-                "points of a surface must be finite, three numbers each (got shape "
-                f"{points.shape})"
-            )
-        if len(points) < FEWEST:
-            raise InputError(
-                f"a measured surface needs {FEWEST} points or more (got {len(points)})"
+                f"a measured surface needs {FEWEST_POINTS} points or more "
+                f"(got {len(points)})"
             )
 
     def thinned(self, count: int) -> "SurfacePoints":

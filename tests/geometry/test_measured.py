@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physgnn.errors import InputError
-from physgnn.geometry.measured_surface import SurfacePoints, farthest_points
+from physgnn.geometry.measured import PointPairs, SurfacePoints, farthest_points
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.2, 2.0))
@@ -33,3 +33,19 @@ def test_wrong_points_are_refused() -> None:
         SurfacePoints(np.zeros((3, 3)))
     with pytest.raises(InputError, match="finite"):
         SurfacePoints(np.full((12, 3), np.nan))
+
+
+def test_displacement_is_target_minus_source() -> None:
+    source = np.arange(12.0).reshape(4, 3)
+    pairs = PointPairs(source, source + np.array([1, 2, 3]))
+    np.testing.assert_array_equal(pairs.displacement, np.tile([1, 2, 3], (4, 1)))
+
+
+@pytest.mark.parametrize(
+    ("n_source", "n_target", "value"), [(3, 4, 0.0), (2, 2, 0.0), (3, 3, np.nan)]
+)
+def test_what_does_not_pair_is_refused(
+    n_source: int, n_target: int, value: float
+) -> None:
+    with pytest.raises(InputError):
+        PointPairs(np.full((n_source, 3), value), np.zeros((n_target, 3)))

@@ -8,7 +8,7 @@ from physgnn.errors import InputError
 from physgnn.prediction.predictor import Predictor
 from physgnn.serving.scene.patch_load import push
 from physgnn.serving.scene.viewed import Viewed, view
-from physgnn.stages.networks.bundling import MADE_BY, MAX_BYTES, check_size
+from physgnn.stages.experiments.bundling import MADE_BY, MAX_BYTES, check_size
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 import re
 from collections import defaultdict
+from dataclasses import asdict
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -14,8 +15,8 @@ from physgnn.dataset.splits.samples import split_path, split_published
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.evaluation.measure.result import Report
-from physgnn.evaluation.measure.run import Comparison, evaluate_run, evaluate_runs
 from physgnn.evaluation.report.page import report_html
+from physgnn.evaluation.run_evaluation import Comparison, evaluate_run, evaluate_runs
 from physgnn.learning.models import build_model
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.record import new_record, with_result
@@ -55,7 +56,9 @@ def untrained(store: Store, folder: Path, seed: int) -> Path:
     model = build_model(config.model, store.body, **config.options)
     model.fit(store, split.train)
     spent = {"wall": 0.7, "processor": 0.5}
-    record = with_result(new_record(store, split, config), loss=1.0, spent=spent)
+    record = with_result(
+        new_record([(store, split)], asdict(config)), loss=1.0, spent=spent
+    )
     Checkpoint(model, record).save(folder)
     return folder
 
