@@ -35,8 +35,8 @@ def evaluate(
         str,
         typer.Option(
             help="Compare with these: quick, all, or names with commas between. The "
-            "names are zero, linear, level_interpolation, pod_network, extra_trees, "
-            "nodal_network, galerkin and reduced."
+            "names are zero, linear, interpolation, pod-network, extra-trees, mlp, "
+            "galerkin and reduced."
         ),
     ] = "quick",
     tolerance_mm: Annotated[

@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -12,13 +13,39 @@ import numpy as np
 
 from physgnn.dataset.splits.samples import Split
 from physgnn.errors import InputError
-from physgnn.learning.models import resolved_options
+from physgnn.learning.models import method_name, method_options, resolved_options
 from physgnn.learning.runs.folder import RunFolder
+from physgnn.learning.runs.parts import check_part
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.multi_mesh import Splits, Stores, training_meshes
+from physgnn.learning.training.multi_mesh import (
+    Splits,
+    Stores,
+    TrainingMesh,
+    training_meshes,
+)
 
 VERSIONED = ("physgnn", "torch", "lightning", "numpy")
 EXTENDABLE = {"clock", "max_epochs", "max_minutes", "memory_mb"}
+
+
+def record_text(record: Mapping[str, Any]) -> str:
+    """Return a record as the text of its file."""
+    return json.dumps(record, indent=2, ensure_ascii=False) + "\n"
+
+
+def read_json(file: Path) -> dict[str, Any]:
+    """Return what a run's record file holds, by the names that things have now.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or is no record.
+    """
+    try:
+        record = json.loads(file.read_text("utf-8"))
+        return with_present_names(record)
+    except (OSError, ValueError, TypeError, AttributeError, RecursionError) as error:
+        raise InputError(f"{file} is damaged: {error}") from error
 
 
 def new_record(
@@ -48,6 +75,45 @@ def new_record(
             else _digest("".join(_split_hash(member.split) for member in members)),
         },
     }
+
+
+def with_places(
+    record: Mapping[str, Any], run: Path, meshes: Sequence[TrainingMesh]
+) -> dict[str, Any]:
+    """Return the record with where its datasets lie, seen from the run and in full."""
+    places = [mesh.store.path.resolve() for mesh in meshes]
+    folder = run.resolve()
+    stores = [
+        {"from_run": os.path.relpath(place, folder), "in_full": str(place)}
+        for place in places
+    ]
+    return {**record, "data": {**record["data"], "stores": stores}}
+
+
+def place_of_store(run: Path, record: Mapping[str, Any]) -> Path:
+    """Return where the (first) dataset of a run is.
+
+    It is looked for where it lay, seen from the run, then where it lay in full, then
+    under the name it had in the command, which is all that runs before 0.2 say.
+
+    Raises
+    ------
+    InputError
+        If it is at none of these.
+    """
+    data = record["data"]
+    known = next(iter(data.get("stores", ())), None)
+    places: list[Path] = []
+    if known:
+        places = [run / known["from_run"], Path(known["in_full"])]
+    places.append(Path(data["path"]))
+    for place in places:
+        if place.is_dir():
+            return place
+    raise InputError(
+        f"the dataset that {run} was trained on is not there (looked for "
+        f"{', '.join(str(place) for place in places)}): name it with --store"
+    )
 
 
 def with_start(record: Mapping[str, Any], start: Mapping[str, Any]) -> dict[str, Any]:
@@ -102,10 +168,11 @@ def check_same_run(run: Path, record: Mapping[str, Any]) -> None:
 
     Only budget and memory may differ.
     """
-    try:
-        earlier = json.loads(RunFolder(run).record.read_text())
-    except (OSError, ValueError) as error:
-        raise InputError(f"{run} holds no run to resume; start a new one") from error
+    file = RunFolder(run).record
+    if not file.is_file():
+        raise InputError(f"{run} holds no run to resume; start a new one")
+    earlier = read_json(file)
+    check_part(file)
     for part, what in (("data", "hash"), ("split", "hash")):
         if earlier[part][what] != record[part][what]:
             raise InputError(
@@ -120,6 +187,17 @@ def check_same_run(run: Path, record: Mapping[str, Any]) -> None:
                 f"{run} was started with {name} = {old.get(name)} (got {new[name]}); "
                 "resume it with the same, or start a new run"
             )
+
+
+def with_present_names(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a record whose method and options have the names they have now."""
+    config = record.get("config")
+    if not isinstance(config, Mapping) or "model" not in config:
+        return dict(record)
+    model = config["model"]
+    options = method_options(model, config.get("options", {}))
+    named = {**config, "model": method_name(model), "options": options}
+    return {**record, "config": named}
 
 
 def _digest(text: str) -> str:
