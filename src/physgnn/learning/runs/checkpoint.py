@@ -16,6 +16,7 @@ from physgnn.io.digest import Manifest
 from physgnn.learning.models import build_model
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.parts import (
+    REMEDY,
     Writer,
     check_part,
     check_there,
@@ -160,8 +161,11 @@ def read_record(run: Path) -> dict[str, Any]:
             f"{run} is of version {version}, this program reads {FORMAT_VERSION}: "
             "train again"
         )
-    if "manifest" in record:
-        check_there(run, files.manifest)
+    if "manifest" in record and not files.manifest.is_file():
+        raise InputError(
+            f"{run} has lost its {files.manifest.name}, so its files cannot be "
+            f"checked: {REMEDY}"
+        )
     check_part(files.record)
     note_missing(run)
     return record

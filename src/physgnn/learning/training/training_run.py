@@ -46,6 +46,7 @@ from physgnn.learning.training.multi_mesh import (
     training_meshes,
     validation_batches,
 )
+from physgnn.learning.training.random_state import seeded
 from physgnn.learning.training.resuming import find_state, prepare
 from physgnn.learning.training.sample_cache import SampleCache
 from physgnn.learning.training.schedules import SCHEDULES
@@ -190,8 +191,7 @@ def _fitted(
 @contextmanager
 def _seeded(seed: int) -> Iterator[None]:
     """Draw random numbers from a seed, without trace in the caller's, and in quiet."""
-    with quiet(), torch.random.fork_rng(devices=[]):
-        torch.manual_seed(seed)
+    with quiet(), seeded(seed):
         yield
 
 
