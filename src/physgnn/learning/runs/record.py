@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import torch
 
 from physgnn.dataset.splits.samples import Split
 from physgnn.errors import InputError
@@ -24,7 +25,7 @@ from physgnn.learning.training.multi_mesh import (
     training_meshes,
 )
 
-VERSIONED = ("physgnn", "torch", "lightning", "numpy")
+VERSIONED = ("physgnn", "lightning", "numpy")
 EXTENDABLE = {"clock", "max_epochs", "max_minutes", "memory_mb"}
 
 
@@ -58,7 +59,10 @@ def new_record(
     split = members[0].split
     return {
         "config": asdict(replace(config, options=options)),
-        "versions": {name: version(name) for name in VERSIONED},
+        "versions": {
+            **{name: version(name) for name in VERSIONED},
+            "torch": str(torch.__version__),  # its metadata may leave out the build
+        },
         "data": {
             "path": str(members[0].store.path),
             "paths": [str(member.store.path) for member in members],
