@@ -150,7 +150,7 @@ def test_seeds_of_one_model_are_one_row_beside_a_tolerance(
     kinds = [[(m.name, m.seed) for m in seeds] for seeds in report.groups]
     assert kinds == [
         [("zero", None)],
-        [("pod_network", 0), ("pod_network", 1)],
+        [("pod-network", 0), ("pod-network", 1)],
         [("certified", 0)],
         [("physgnn", 0), ("physgnn", 1)],
     ]

@@ -35,8 +35,8 @@ def evaluate(
         str,
         typer.Option(
             help="Compare with these: quick, all, or names with commas between. The "
-            "names are zero, linear, level_interpolation, pod_network, extra_trees, "
-            "nodal_network, galerkin, reduced and finite_element, or module:Class."
+            "names are zero, linear, interpolation, pod-network, extra-trees, mlp, "
+            "galerkin, reduced and finite-element, or module:Class."
         ),
     ] = "quick",
     tolerance_mm: Annotated[

@@ -29,8 +29,8 @@ def train(
         str | None,
         typer.Option(
             help="Train this model: lifted or physgnn (the default); or fit one that "
-            "has no steps: reduced, galerkin, pod_network, extra_trees, nodal_network, "
-            "level_interpolation, linear, finite_element, zero; or one of your own, as "
+            "has no steps: reduced, galerkin, pod-network, extra-trees, mlp, "
+            "interpolation, linear, finite-element, zero; or one of your own, as "
             "module:Class."
         ),
     ] = None,

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
+import torch
 from torch import Tensor
 from torch.utils.data import DataLoader, Dataset, Sampler
 
@@ -107,7 +108,8 @@ def validation_batches(
 ) -> DataLoader[MeshBatch]:
     """Return this process's share of the samples in order."""
     order = in_order([len(part) for part in parts], batch_size, share)
-    return DataLoader(Together(parts), batch_sampler=order)
+    own = torch.Generator()  # as above: validating draws nothing from the network's
+    return DataLoader(Together(parts), batch_sampler=order, generator=own)
 
 
 class Together(Dataset[MeshBatch]):
@@ -168,7 +170,9 @@ class ResumableLoader(DataLoader[MeshBatch]):
     """Batches that go on within an epoch; Lightning keeps the state in checkpoints."""
 
     def __init__(self, samples: Together, order: MixedOrder) -> None:
-        super().__init__(samples, batch_sampler=order)
+        # A generator of its own: an iterator draws a number, wherever it begins.
+        own = torch.Generator()
+        super().__init__(samples, batch_sampler=order, generator=own)
         self.order = order
 
     def state_dict(self) -> dict[str, int]:
