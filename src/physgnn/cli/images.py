@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from physgnn import choices, stages
-from physgnn.cli.console import say, working
+from physgnn.cli.console import conclude, say, working
 from physgnn.cli.options import Displacement, Form, Grid, Materials, OutFile
 
 
@@ -100,7 +100,10 @@ def register(
     form: Form = None,
     image: Grid = None,
 ) -> None:
-    """Find the whole displacement from what was measured on the surface."""
+    """Find the whole displacement from what was measured on the surface.
+
+    The exit code is 3 if the displacement that is written is not ok.
+    """
     with working("registering"):
         found = stages.register(
             mesh,
@@ -114,12 +117,7 @@ def register(
             form=form,
             image=image,
         )
-    ended = (
-        "the displacement can be used with its error estimate"
-        if found.prediction.status.usable
-        else "the search ended early, since a body held so can hardly move like that: "
-        "check points, materials and --skull"
-    )
+    status = found.prediction.status
     estimate = found.prediction.error_estimate_mm
     bound = "" if estimate is None else f"error {estimate.mean_mm:.2f} mm on average, "
     most = "" if estimate is None else f"{estimate.max_mm:.2f} mm at most"
@@ -127,5 +125,6 @@ def register(
     print(
         f"{out}: {bound}{most}{chance}, misfit {found.misfit_mm:.2f} mm, of points "
         f"held out {found.held_out_mm:.2f} mm; {found.prediction.seconds:.1f} s; "
-        f"{found.prediction.status}: {ended}"
+        f"{status}: {status.remedy}"
     )
+    conclude(status, found.prediction.reasons)

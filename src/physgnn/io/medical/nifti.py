@@ -14,6 +14,7 @@ from physgnn.geometry.image import Image, LabelVolume
 from physgnn.io.atomic import whole_file
 
 SUFFIXES = (".nii", ".nii.gz")
+DESCRIPTION_BYTES = 80  # NIfTI-1's field descrip
 
 
 def read_image(path: str | Path) -> Image:
@@ -48,8 +49,8 @@ def read_segmentation(path: str | Path) -> LabelVolume:
         raise InputError(f"{path}: {error}") from error
 
 
-def write_image(path: str | Path, image: Image) -> None:
-    """Write an image; what is no whole number as float32.
+def write_image(path: str | Path, image: Image, *, note: str = "") -> None:
+    """Write an image; what is no whole number as float32, a note in the description.
 
     Raises
     ------
@@ -63,11 +64,14 @@ def write_image(path: str | Path, image: Image) -> None:
         data = data.astype(np.uint8)
     elif data.dtype.itemsize == 8:
         data = data.astype(np.int32)  # viewers know no 64-bit images
-    save_nifti(path, nib.Nifti1Image(data, image.affine))
+    save_nifti(path, nib.Nifti1Image(data, image.affine), note=note)
 
 
-def save_nifti(path: str | Path, image: nib.Nifti1Image) -> None:
-    """Save a nibabel image in mm, whole or not at all."""
+def save_nifti(path: str | Path, image: nib.Nifti1Image, *, note: str = "") -> None:
+    """Save a nibabel image in mm, whole or not at all.
+
+    A note is added to its description, as far as 80 bytes hold it.
+    """
     path = Path(path)
     if not path.name.endswith(SUFFIXES):
         raise InputError(
@@ -75,6 +79,10 @@ def save_nifti(path: str | Path, image: nib.Nifti1Image) -> None:
             f"(got '{path.name}')"
         )
     image.header.set_xyzt_units("mm")
+    if note:
+        described = image.header["descrip"].item().decode()
+        words = "; ".join(text for text in (described, note) if text)
+        image.header["descrip"] = words.encode()[:DESCRIPTION_BYTES]
     # set both forms: some readers know the one, some the other
     image.set_qform(image.affine, 1)
     image.set_sform(image.affine, 1)

@@ -22,7 +22,11 @@ TRANSFORM_SUFFIX = ".h5"
 
 
 def write_field(
-    path: str | Path, field: DisplacementField, *, convention: str | None = None
+    path: str | Path,
+    field: DisplacementField,
+    *,
+    convention: str | None = None,
+    note: str = "",
 ) -> None:
     """Write a displacement field.
 
@@ -35,6 +39,9 @@ def write_field(
     convention : str, optional
         A row of ``FIELD_FORMATS``; by default ``"itk-transform"`` for .h5 and
         ``"itk"`` for NIfTI, which 3D Slicer and ANTs apply as they are.
+    note : str
+        What the displacement is called; goes into the description of a NIfTI file. An
+        ITK transform has no place for it.
 
     Raises
     ------
@@ -54,24 +61,25 @@ def write_field(
             f"{path}: convention '{name}' is written as "
             f"{'.nii.gz' if is_transform else TRANSFORM_SUFFIX}"
         )
-    FIELD_FORMATS[name](path, field)
+    FIELD_FORMATS[name](path, field, note)
 
 
-def _write_transform(path: Path, field: DisplacementField) -> None:
+def _write_transform(path: Path, field: DisplacementField, note: str) -> None:
+    del note
     transform = resampling_transform(field)
     with whole_file(path) as part:
         sitk.WriteTransform(transform, str(part))
 
 
-def _write_itk_nifti(path: Path, field: DisplacementField) -> None:
-    save_nifti(path, to_itk_nifti(field))
+def _write_itk_nifti(path: Path, field: DisplacementField, note: str) -> None:
+    save_nifti(path, to_itk_nifti(field), note=note)
 
 
-def _write_ras_nifti(path: Path, field: DisplacementField) -> None:
-    save_nifti(path, to_ras_nifti(field))
+def _write_ras_nifti(path: Path, field: DisplacementField, note: str) -> None:
+    save_nifti(path, to_ras_nifti(field), note=note)
 
 
-FIELD_FORMATS: Mapping[str, Callable[[Path, DisplacementField], None]] = {
+FIELD_FORMATS: Mapping[str, Callable[[Path, DisplacementField, str], None]] = {
     "itk-transform": _write_transform,
     "itk": _write_itk_nifti,
     "ras": _write_ras_nifti,

@@ -1,5 +1,6 @@
 """A predicted displacement read back, and the deformed body written."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,19 +13,25 @@ from physgnn.geometry.boundary import boundary_faces, region_faces
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_file
 from physgnn.io.vtk.reader import read_vtk
-from physgnn.io.vtk.vtu import RAS, SPACE, read_mesh
+from physgnn.io.vtk.vtu import RAS, SPACE, add_notes, read_mesh
+from physgnn.progress import Log, no_log
 
 DISPLACEMENT = "displacement_mm"
 STATE, DEFORMED = "state", "deformed"
+STATUS, REASONS = "status", "reasons"  # field data: what a displacement is called, why
 
 
-def read_displacement(path: str | Path) -> tuple[TetMesh, FloatArray]:
+def read_displacement(
+    path: str | Path, *, log: Log = no_log
+) -> tuple[TetMesh, FloatArray]:
     """Read a mesh in its rest state and the displacement on its points, mm.
 
     Parameters
     ----------
     path : path
         VTU, as `physgnn predict` or `write_prediction` leaves it.
+    log : callable
+        Told of the reasons why the displacement was not called ok, if there are any.
 
     Raises
     ------
@@ -46,15 +53,25 @@ def read_displacement(path: str | Path) -> tuple[TetMesh, FloatArray]:
             f"{path}: needs a point array '{DISPLACEMENT}' of three components (it "
             f"has: {have}); make it with 'physgnn predict'"
         )
+    if REASONS in grid.field_data:
+        status = " ".join(map(str, grid.field_data.get(STATUS, ["not ok"])))
+        reasons = "; ".join(map(str, grid.field_data[REASONS]))
+        log(f"warning: {path} holds a displacement that is not ok: {status}: {reasons}")
     return mesh, np.asarray(arrays[DISPLACEMENT], dtype=np.float64)
 
 
-def write_deformed(path: str | Path, mesh: TetMesh, displacement: FloatArray) -> None:
+def write_deformed(
+    path: str | Path,
+    mesh: TetMesh,
+    displacement: FloatArray,
+    *,
+    notes: Mapping[str, Sequence[str]] | None = None,
+) -> None:
     """Write the body where it moves to: .vtu the mesh, .vtp its surfaces.
 
     The point array ``displacement_mm`` leads back to the rest state; the cell array
     ``region`` says whose surface a face is, 0 that of the whole brain. Unlike a rest
-    state, what is written may have cells turned inside out.
+    state, what is written may have cells turned inside out. Notes become field data.
 
     Raises
     ------
@@ -77,6 +94,7 @@ def write_deformed(path: str | Path, mesh: TetMesh, displacement: FloatArray) ->
     body.point_data[DISPLACEMENT] = displacement
     body.field_data[STATE] = [DEFORMED]
     body.field_data[SPACE] = [RAS]
+    add_notes(body, notes)
     if isinstance(body, pv.PolyData):
         body = body.clean(point_merging=False)
     with whole_file(path) as part:

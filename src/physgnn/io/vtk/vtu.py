@@ -5,7 +5,7 @@ data ``point_set:<name>`` (the indices in their order, what is read back) and as
 point array ``in_<name>`` of 0 and 1 to look at.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +34,11 @@ def write_mesh(path: str | Path, mesh: TetMesh) -> None:
 
 
 def write_prediction(
-    path: str | Path, mesh: TetMesh, fields: Mapping[str, FloatArray]
+    path: str | Path,
+    mesh: TetMesh,
+    fields: Mapping[str, FloatArray],
+    *,
+    notes: Mapping[str, Sequence[str]] | None = None,
 ) -> None:
     """Write a mesh in its rest state with fields on its points.
 
@@ -47,6 +51,8 @@ def write_prediction(
     fields : mapping of str to array
         Displacement, force, error: (n_points,) or (n_points, 3) each. A name says
         its unit, such as ``displacement_mm``.
+    notes : mapping of str to lines of text, optional
+        Become field data, such as ``status`` and ``reasons``.
 
     Raises
     ------
@@ -62,7 +68,15 @@ def write_prediction(
                 f"({mesh.n_points},) or ({mesh.n_points}, 3) (got {values.shape})"
             )
         grid.point_data[name] = values
+    add_notes(grid, notes)
     save_grid(Path(path), grid)
+
+
+def add_notes(data: pv.DataSet, notes: Mapping[str, Sequence[str]] | None) -> None:
+    """Put lines of text into field data; a name without lines is left out."""
+    for name, lines in (notes or {}).items():
+        if lines:
+            data.field_data[name] = list(lines)
 
 
 def read_mesh(path: str | Path) -> TetMesh:

@@ -40,6 +40,8 @@ def register(
 ) -> "Registration":
     """Find the displacement of a whole brain from what was measured of its surface.
 
+    It is written whatever its status is, with the status and the reasons for it inside.
+
     Parameters
     ----------
     mesh : path
@@ -85,5 +87,6 @@ def register(
         "deviation_mm": found.deviation_mm,
         "force_n": found.forces,
     }
-    write(Path(out), DisplacementFields(case, fields, grid))
+    said = str(found.prediction.status), found.prediction.reasons
+    write(Path(out), DisplacementFields(case, fields, grid, *said))
     return found

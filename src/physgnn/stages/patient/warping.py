@@ -59,14 +59,15 @@ def warp(
     slices : path, optional
         PNG of slices before, after and as a checkerboard.
     log : callable
-        Told the round trip's error and what folds.
+        Gets a line on the round trip's error, on what folds, and on why the
+        displacement was not called ok if it was not.
 
     Raises
     ------
     InputError
         If a file cannot be used, or image and mesh do not meet.
     """
-    mesh, u = read_displacement(prediction)
+    mesh, u = read_displacement(prediction, log=log)
     before = read_segmentation(image) if labels else read_image(image)
     inverse = inverse_field(mesh, u, before.grid)
     after = warped(before, inverse, interpolation=interpolation)
