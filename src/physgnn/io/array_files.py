@@ -80,7 +80,7 @@ def write_arrays(path: str | Path, simulations: Sequence[Simulation]) -> None:
         loaded = slice(len(simulation.load_path.nodes))
         arrays["load_nodes"][i, loaded] = simulation.load_path.nodes
         arrays["load_vectors"][i, loaded] = simulation.load_path.forces
-        solution = simulation.answer()
+        solution = simulation.read_solution()
         lost = solution.status != Status.CONVERGED
         displacement.append(
             np.where(lost[:, None, None], np.nan, solution.displacement)
@@ -125,7 +125,7 @@ def _simulations(source: str, arrays: Arrays) -> list[Simulation]:
         zip(arrays["load_nodes"], arrays["load_vectors"], strict=True)
     ):
         load_path = LoadPath(nodes[nodes >= 0], forces[nodes >= 0], factors)
-        answer = partial(solution_of, arrays["displacement"][i], factors)
+        read = partial(solution_of, arrays["displacement"][i], factors)
         name = f"{source}, load path {i}"
-        simulations.append(Simulation(name, mesh, fixed, load_path, None, answer))
+        simulations.append(Simulation(name, mesh, fixed, load_path, None, read))
     return simulations

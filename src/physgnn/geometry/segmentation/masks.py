@@ -35,7 +35,7 @@ class TissueMasks:
     tumours, ventricles : tuple of boolean arrays
         One piece each.
     notes : tuple of str
-        What was mended.
+        What was repaired.
     """
 
     grid: ImageGrid

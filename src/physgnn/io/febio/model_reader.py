@@ -2,7 +2,7 @@
 
 That is: linear tetrahedra, our materials, points held in all directions, and nodal
 forces that share one load curve. Anything else in the file is named and refused, since
-leaving it out would change the answer.
+leaving it out would change the solution.
 """
 
 import xml.etree.ElementTree as ET
@@ -89,7 +89,7 @@ def read_febio(path: str | Path) -> FebioModel:
 
 
 def read_febio_results(path: Path) -> list[Simulation]:
-    """Read a model, and its log when the answer is asked for.
+    """Read a model, and its log when the solution is asked for.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def read_febio_results(path: Path) -> list[Simulation]:
             f'{path}: needs <node_data data="ux;uy;uz" file=…> under Output/logfile, '
             "and FEBio run with it"
         )
-    answer = partial(
+    read = partial(
         read_febio_log,
         model.log,
         model.load_path,
@@ -110,7 +110,7 @@ def read_febio_results(path: Path) -> list[Simulation]:
         node_ids=model.node_ids,
     )
     asked = (model.mesh, model.fixed, model.load_path, model.materials)
-    return [Simulation(str(path), *asked, answer)]
+    return [Simulation(str(path), *asked, read)]
 
 
 def _check_sections(root: ET.Element) -> None:

@@ -36,8 +36,8 @@ def read_displacement(path: str | Path) -> tuple[TetMesh, FloatArray]:
     if STATE in grid.field_data:
         raise InputError(
             f"{path}: this body is deformed already; give the mesh at rest with its "
-            "displacement, as 'physgnn predict' or 'register' writes it unless told "
-            "otherwise"
+            "displacement, as 'physgnn predict' or 'register' writes it unless another "
+            "form is asked for"
         )
     arrays = grid.point_data
     if DISPLACEMENT not in arrays or arrays[DISPLACEMENT].shape != mesh.points.shape:

@@ -63,8 +63,8 @@ def read_series(folder: Path) -> list[Simulation]:
     except InputError as error:
         raise InputError(f"{folder}: {error}") from error
     fixed = _read(files[0], _fixed)
-    answer = partial(_answer, files, first, factors)
-    return [Simulation(str(folder), first, fixed, load_path, None, answer)]
+    read = partial(_solution, files, first, factors)
+    return [Simulation(str(folder), first, fixed, load_path, None, read)]
 
 
 def write_series(folder: str | Path, simulation: Simulation) -> None:
@@ -79,7 +79,7 @@ def write_series(folder: str | Path, simulation: Simulation) -> None:
         If the folder exists already.
     """
     mesh = simulation.mesh.with_point_sets(fixed=simulation.fixed)
-    solution = simulation.answer()
+    solution = simulation.read_solution()
     with whole_folder(Path(folder)) as part:
         part.mkdir()
         for level in np.flatnonzero(solution.status == Status.CONVERGED).tolist():
@@ -92,7 +92,7 @@ def write_series(folder: str | Path, simulation: Simulation) -> None:
             save_grid(part / f"level-{level:04d}.vtu", grid)
 
 
-def _answer(files: list[Path], mesh: TetMesh, factors: FloatArray) -> Solution:
+def _solution(files: list[Path], mesh: TetMesh, factors: FloatArray) -> Solution:
     take = partial(_vectors, name=DISPLACEMENT, mesh=mesh)
     return solution_of(np.stack([_read(file, take) for file in files]), factors)
 

@@ -63,7 +63,7 @@ def mesh(
     quality_floor : float, optional
         Smallest mean ratio a cell may have; see `physgnn.geometry.check_quality`.
     log : callable
-        Told what was repaired, and the mesh's size and quality.
+        Called with what was repaired, and the mesh's size and quality.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def mesh_surfaces(
     quality_floor : float, optional
         See `physgnn.geometry.check_quality`.
     log : callable
-        Told what was repaired, and the mesh's size and quality.
+        Called with what was repaired, and the mesh's size and quality.
     **size
         ``max_volume_mm3`` or ``target_points``; by default the published rule.
 
@@ -149,9 +149,9 @@ def mesh_surfaces(
     checked = []
     for i, surface in enumerate([brain, *tumours]):
         name = "brain" if i == 0 else f"tumour {i}"
-        surface, mended = check_surface(surface, name)
+        surface, repaired = check_surface(surface, name)
         checked.append(surface)
-        for line in mended:
+        for line in repaired:
             log(line)
     check_nested(checked[0], checked[1:])
     mesh = tetrahedralize(checked[0], checked[1:], log=log, **size)

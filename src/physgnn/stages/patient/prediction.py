@@ -32,7 +32,7 @@ def predict(
     out : path
         Where the answer goes; its suffix decides in what form.
     form : str, optional
-        A row of `physgnn.io.answer_files.FORMS`, where the suffix leaves a choice.
+        A row of `physgnn.io.displacement_files.FORMS`, where the suffix leaves a choice.
     image : path, optional
         NIfTI whose voxels an answer on voxels has; by default 2 mm around the body.
     tolerance_mm : float, optional
@@ -50,7 +50,7 @@ def predict(
         If a file cannot be used, or the answer not be written so.
     """
     from physgnn.io import read_load_case
-    from physgnn.io.answer_files import DisplacementFields, form_of
+    from physgnn.io.displacement_files import DisplacementFields, form_of
     from physgnn.io.medical.nifti import read_image
     from physgnn.learning.models import build_model
     from physgnn.prediction.predictor import Predictor

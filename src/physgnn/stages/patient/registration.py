@@ -10,7 +10,7 @@ from physgnn.geometry.measured_pairs import PointPairs
 from physgnn.geometry.measured_surface import SurfacePoints
 from physgnn.geometry.regions import REGIONS
 from physgnn.io import read_mesh
-from physgnn.io.answer_files import DisplacementFields, form_of
+from physgnn.io.displacement_files import DisplacementFields, form_of
 from physgnn.io.medical.markups import read_point_pairs
 from physgnn.io.medical.measured_surface import read_surface_points
 from physgnn.io.medical.nifti import read_image

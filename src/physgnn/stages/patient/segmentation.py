@@ -40,7 +40,7 @@ def mesh_segmentation(
     target_points : int
         About how many points the mesh shall have.
     log : callable
-        Told what was repaired, and how volumes and surfaces compare.
+        Called with what was repaired, and how volumes and surfaces compare.
     **options
         ``smoothing_mm`` and ``closing_mm`` of `extract_surfaces`; ``rules`` and
         ``quality_floor`` of `physgnn.stages.patient.meshing.mesh_surfaces`.

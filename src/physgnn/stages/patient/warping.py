@@ -59,7 +59,7 @@ def warp(
     slices : path, optional
         PNG of slices before, after and as a checkerboard.
     log : callable
-        Told the round trip's error and what folds.
+        Called with the round trip's error and what folds.
 
     Raises
     ------
