@@ -32,7 +32,10 @@ def bundled_t1(mesh: TetMesh) -> Image | None:
     inside = brain.data[tuple(index.T)] & (index == centres).all(axis=1)
     covered = litres * 1e6 / (brain.data.sum() * brain.grid.voxel_volume_mm3)
     inside_fraction = np.average(inside, weights=mesh.cell_volumes)
-    if inside_fraction < FRACTION_INSIDE or not FRACTION_INSIDE < covered < 1 / FRACTION_INSIDE**2:
+    if (
+        inside_fraction < FRACTION_INSIDE
+        or not FRACTION_INSIDE < covered < 1 / FRACTION_INSIDE**2
+    ):
         return None
     template = load_mni152_template(resolution=1)
     return Image(np.asarray(template.dataobj), template.affine)

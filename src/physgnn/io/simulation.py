@@ -49,7 +49,8 @@ def solution_of(displacement: FloatArray, load_factors: FloatArray) -> Solution:
     Returns
     -------
     Solution
-        How close to equilibrium the other levels came was not recorded: their residual is NaN.
+        How close to equilibrium the levels came was not recorded: their residual is
+        NaN.
     """
     found = np.isfinite(displacement.sum(axis=(1, 2)))
     status = np.where(found, Status.CONVERGED, Status.NOT_REACHED).astype(np.int8)

@@ -11,6 +11,8 @@ from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_file
+from physgnn.io.numbers import real_numbers
+from physgnn.io.reading import reading
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.vtu import RAS, SPACE, read_mesh
 
@@ -41,12 +43,13 @@ def read_displacement(path: str | Path) -> tuple[TetMesh, FloatArray]:
         )
     arrays = grid.point_data
     if DISPLACEMENT not in arrays or arrays[DISPLACEMENT].shape != mesh.points.shape:
-        have = ", ".join(arrays.keys()) or "none"
+        have = ", ".join(arrays) or "none"
         raise InputError(
             f"{path}: needs a point array '{DISPLACEMENT}' of three components (it "
             f"has: {have}); make it with 'physgnn predict'"
         )
-    return mesh, np.asarray(arrays[DISPLACEMENT], dtype=np.float64)
+    with reading(path, "a displacement"):
+        return mesh, real_numbers(arrays[DISPLACEMENT], DISPLACEMENT)
 
 
 def write_deformed(path: str | Path, mesh: TetMesh, displacement: FloatArray) -> None:

@@ -32,7 +32,8 @@ def predict(
     out : path
         Where the answer goes; its suffix decides in what form.
     form : str, optional
-        A row of `physgnn.io.displacement_files.FORMS`, where the suffix leaves a choice.
+        A row of `physgnn.io.displacement_files.FORMS`, where the suffix leaves a
+        choice.
     image : path, optional
         NIfTI whose voxels an answer on voxels has; by default 2 mm around the body.
     tolerance_mm : float, optional
