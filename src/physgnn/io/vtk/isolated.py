@@ -65,7 +65,9 @@ class VtkProcess:
             self._process = None
 
     def _ask(self, path: Path, out: Path) -> str:
-        if self._process is None or self._process.poll() is not None:
+        if self._process is not None and self._process.poll() is not None:
+            self.close()
+        if self._process is None:
             limit = OWN_BYTES + COPIES * allowed_bytes(path)
             self._process = subprocess.Popen(
                 [sys.executable, "-P", vtk_process.__file__, str(int(limit))],
