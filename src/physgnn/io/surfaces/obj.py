@@ -34,8 +34,8 @@ def read_obj(path: Path) -> Surface:
             f"{path}: expected OBJ, but it has no 'v' and 'f' lines: rename it or "
             "export it again"
         )
-    corners = whole_numbers(triangles, f"{path}: corners of faces")
-    return merge_points(np.array(points), corners.astype(np.int32))
+    faces = whole_numbers(triangles, f"{path}: corners of faces")
+    return merge_points(np.array(points), faces.astype(np.int32))
 
 
 def _index(corner: str, n_points: int) -> int:

@@ -69,8 +69,9 @@ def _serve(path: Path, out: Path) -> str:
 
 def _arrays(data: Any) -> dict[str, Any]:
     """Return everything of a data set as arrays, names as JSON in one of them."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.util import numpy_support
 
+    vtk_to_numpy: Any = numpy_support.vtk_to_numpy
     found: dict[str, Any] = {"points": np.empty((0, 3))}
     if data.GetPoints() is not None:
         found["points"] = vtk_to_numpy(data.GetPoints().GetData())
