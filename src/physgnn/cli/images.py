@@ -122,6 +122,7 @@ def register(
             materials=materials,
             form=form,
             image=image,
+            log=say,
         )
     ended = (
         "the displacement can be used with its error estimate"

@@ -141,10 +141,12 @@ def _label_map(
             "skull-stripped T1"
         )
     volumes = label_volumes(volume)
-    lines += check_all_used(volumes, table, ignore_labels=read.ignore_labels)
     if labels not in LABEL_TABLES:  # a convention has labels that a patient has not
         lines += not_there(volumes, table)
-    for line in (*lines, *_check_brain(volumes, table, read)):
+    for line in lines:
+        log(line)
+    unused = check_all_used(volumes, table, ignore_labels=read.ignore_labels)
+    for line in (*unused, *_check_brain(volumes, table, read)):
         log(line)
     return volume, table
 
