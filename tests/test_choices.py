@@ -6,6 +6,7 @@ from physgnn import choices
 from physgnn.dataset import PRESETS, SOLVERS, SPLITS
 from physgnn.dataset.splits.samples import MESH
 from physgnn.imaging.image_warping import INTERPOLATIONS
+from physgnn.io.medical.nifti_place import FORMS
 from physgnn.learning.physgnn.precision import PRECISIONS
 from physgnn.learning.training.budget import CLOCKS
 from physgnn.learning.training.losses import LOSSES
@@ -27,6 +28,7 @@ from physgnn.registration.skull import SUPPORTS
         (choices.PrecisionName, PRECISIONS),
         (choices.Skull, SUPPORTS),
         (choices.Interpolation, INTERPOLATIONS),
+        (choices.AffineForm, FORMS),
     ],
 )
 def test_every_name_has_a_row_and_every_row_a_name(names: type, rows: object) -> None:

@@ -98,6 +98,13 @@ class Skull(StrEnum):
     SLIDING = "sliding"
 
 
+class AffineForm(StrEnum):
+    """Of a NIfTI header: rows of `physgnn.io.medical.nifti_place.FORMS`."""
+
+    SFORM = "sform"
+    QFORM = "qform"
+
+
 class Interpolation(StrEnum):
     """Between voxels: rows of `physgnn.imaging.image_warping.INTERPOLATIONS`."""
 

@@ -7,7 +7,14 @@ import typer
 
 from physgnn import choices, stages
 from physgnn.cli.console import conclude, say, working
-from physgnn.cli.options import Displacement, Form, Grid, Materials, OutFile
+from physgnn.cli.options import (
+    AffineOption,
+    Displacement,
+    Form,
+    Grid,
+    Materials,
+    OutFile,
+)
 
 
 def warp(
@@ -43,6 +50,7 @@ def warp(
             help="Draw slices before, after and as a checkerboard to this PNG file."
         ),
     ] = None,
+    affine: AffineOption = None,
 ) -> None:
     """Deform an image as a prediction says."""
     with working("warping"):
@@ -55,6 +63,7 @@ def warp(
             field=field or (),
             jacobian=jacobian,
             slices=slices,
+            affine=affine,
             log=say,
         )
     print(out)
@@ -116,6 +125,7 @@ def register(
             materials=materials,
             form=form,
             image=image,
+            log=say,
         )
     status = found.prediction.status
     estimate = found.prediction.error_estimate_mm

@@ -104,7 +104,7 @@ def import_results(
             },
         )
         for i, simulation in enumerate(found):
-            made.write(i, _extended(simulation.answer(), longest))
+            made.write(i, _extended(simulation.read_solution(), longest))
             if progress:
                 progress(i + 1, len(found), simulation.source)
     return Store.open(target)

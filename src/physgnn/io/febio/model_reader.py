@@ -2,9 +2,10 @@
 
 That is: linear tetrahedra, our materials, points held in all directions, and nodal
 forces that share one load curve. Anything else in the file is named and refused, since
-leaving it out would change the answer.
+leaving it out would change the solution.
 """
 
+import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from functools import partial
@@ -18,10 +19,13 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio.log import read_febio_log
 from physgnn.io.febio.materials import material_of
 from physgnn.io.febio.model_writer import AXES, REGION_PREFIX
+from physgnn.io.reading import reading
 from physgnn.io.simulation import Simulation
+from physgnn.io.xml_tree import read_xml
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material
 
+MOST_STEPS = 100_000
 SECTIONS = (
     *("Module", "Control", "Globals", "Material", "Mesh", "MeshDomains", "MeshData"),
     *("Boundary", "Loads", "LoadData", "Output"),
@@ -66,13 +70,8 @@ def read_febio(path: str | Path) -> FebioModel:
         If the file is no .feb 4.0, or holds something we cannot represent.
     """
     path = Path(path)
-    try:
-        root = ET.parse(path).getroot()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    except ET.ParseError as error:
-        raise InputError(f"{path}: expected a FEBio model ({error})") from error
-    try:
+    with reading(path, "a FEBio model"):
+        root = read_xml(path, "a FEBio model")
         if root.tag != "febio_spec" or root.get("version") != "4.0":
             raise InputError(
                 f"expected febio_spec 4.0 (got {root.tag} {root.get('version')}): "
@@ -80,16 +79,10 @@ def read_febio(path: str | Path) -> FebioModel:
             )
         _check_sections(root)
         return _Reader(root).model(path)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-    except (KeyError, ValueError, AttributeError) as error:
-        raise InputError(
-            f"{path}: an entry is missing or no number ({error})"
-        ) from error
 
 
 def read_febio_results(path: Path) -> list[Simulation]:
-    """Read a model, and its log when the answer is asked for.
+    """Read a model, and its log when the solution is asked for.
 
     Raises
     ------
@@ -102,7 +95,7 @@ def read_febio_results(path: Path) -> list[Simulation]:
             f'{path}: needs <node_data data="ux;uy;uz" file=…> under Output/logfile, '
             "and FEBio run with it"
         )
-    answer = partial(
+    read = partial(
         read_febio_log,
         model.log,
         model.load_path,
@@ -110,7 +103,7 @@ def read_febio_results(path: Path) -> list[Simulation]:
         node_ids=model.node_ids,
     )
     asked = (model.mesh, model.fixed, model.load_path, model.materials)
-    return [Simulation(str(path), *asked, answer)]
+    return [Simulation(str(path), *asked, read)]
 
 
 def _check_sections(root: ET.Element) -> None:
@@ -132,6 +125,8 @@ class _Reader:
         ids = np.array([int(node.attrib["id"]) for node in nodes])
         order = np.argsort(ids)
         self.node_ids: IntArray = ids[order]
+        if (np.diff(self.node_ids) == 0).any():
+            raise InputError("two nodes have the same id")
         points = np.array([_floats(node) for node in nodes]).reshape(-1, 3)
         self.points: FloatArray = points[order]
         self.sets = {
@@ -142,6 +137,8 @@ class _Reader:
     def model(self, path: Path) -> FebioModel:
         mesh, materials = self._body()
         steps = int(self._text("Control/time_steps"))
+        if not 0 < steps <= MOST_STEPS:
+            raise InputError(f"time_steps must be in 1…{MOST_STEPS} (got {steps})")
         times = float(self._text("Control/step_size")) * np.arange(1.0, steps + 1)
         log = self.root.find("Output/logfile/node_data[@data='ux;uy;uz']")
         name = None if log is None else log.get("file")
@@ -206,9 +203,13 @@ class _Reader:
                     f"load '{load.get('name')}' must be nodal_load "
                     f"(got {load.tag} {load.get('type')})"
                 )
-            scale = load.find("scale")
-            assert scale is not None
-            axis = AXES.index((load.findtext("dof") or "").strip())
+            scale, dof = load.find("scale"), (load.findtext("dof") or "").strip()
+            if scale is None or dof not in tuple(AXES):
+                raise InputError(
+                    f"load '{load.get('name')}' needs a <scale>, and a <dof> that is "
+                    f"x, y or z (got '{dof}')"
+                )
+            axis = AXES.index(dof)
             np.add.at(force[:, axis], self._set(load), self._values(load, scale))
             curves.add(scale.get("lc"))
         if len(curves) != 1:
@@ -229,8 +230,13 @@ class _Reader:
                 f"load '{load.get('name')}' needs NodeData '{text}' on its set"
             )
         values = np.zeros(len(self._set(load)))
-        for node in data:
-            values[int(node.attrib["lid"]) - 1] = float(node.text or "")
+        lids = [int(node.attrib["lid"]) for node in data]
+        if sorted(lids) != list(range(1, len(values) + 1)):
+            raise InputError(
+                f"NodeData '{text}' needs one value for every node of its set, lid 1 "
+                f"to {len(values)}"
+            )
+        values[np.array(lids) - 1] = [float(node.text or "") for node in data]
         return values
 
     def _curve(self, name: str, times: FloatArray) -> FloatArray:
@@ -243,6 +249,8 @@ class _Reader:
         if not points:
             raise InputError(f"there is no load curve '{name}'")
         time, value = np.array(points).T
+        if (np.diff(time) <= 0).any():
+            raise InputError(f"the times of load curve '{name}' must increase")
         factors: FloatArray = np.interp(times, time, value)
         return factors
 
@@ -262,7 +270,10 @@ class _Reader:
 
 
 def _floats(element: ET.Element) -> list[float]:
-    return [float(value) for value in (element.text or "").split(",")]
+    values = [float(value) for value in (element.text or "").split(",")]
+    if not all(map(math.isfinite, values)):
+        raise InputError(f"<{element.tag}> must hold finite numbers (got {values})")
+    return values
 
 
 def _region(part: str, number: int) -> int:

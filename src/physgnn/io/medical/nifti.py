@@ -1,52 +1,71 @@
 """NIfTI images and label maps, as nibabel places them in the world: RAS+, mm."""
 
+import io
 from pathlib import Path
 
 import nibabel as nib
 import numpy as np
-from nibabel.filebasedimages import ImageFileError
-from nibabel.spatialimages import HeaderDataError
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.io.atomic import whole_file
+from physgnn.io.compressed import read_unpacked
+from physgnn.io.limits import check_size
+from physgnn.io.medical.nifti_place import place_of
+from physgnn.io.reading import reading
+from physgnn.progress import Log, no_log
 
 SUFFIXES = (".nii", ".nii.gz")
 DESCRIPTION_BYTES = 80  # NIfTI-1's field descrip
+WHAT = "a NIfTI image"
+# the first word of the header is its length
+HEADERS = {348: nib.Nifti1Image, 540: nib.Nifti2Image}
 
 
-def read_image(path: str | Path) -> Image:
+def read_image(
+    path: str | Path, *, affine: str | None = None, log: Log = no_log
+) -> Image:
     """Read an image of one number a voxel.
+
+    Parameters
+    ----------
+    path : path
+        The image.
+    affine : str, optional
+        "sform" or "qform": which of two places that disagree is meant.
+    log : callable
+        Called with what the header leaves open and how it was read.
 
     Raises
     ------
     InputError
-        If the file is missing, no NIfTI, not of three axes, or damaged.
+        If the file is missing, no NIfTI, not of three axes, damaged, in colours or
+        complex numbers, or says of two places that it lies there.
     """
-    path = Path(path)
-    data, affine = _read(path)
-    try:
-        return Image(data, affine)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+    with reading(path, WHAT):
+        return Image(*_read(Path(path), affine, log))
 
 
-def read_segmentation(path: str | Path) -> LabelVolume:
+def read_segmentation(
+    path: str | Path, *, affine: str | None = None, log: Log = no_log
+) -> LabelVolume:
     """Read a label map.
+
+    Parameters
+    ----------
+    path, affine, log
+        As of `read_image`.
 
     Raises
     ------
     InputError
         As `read_image`, and if a voxel is not a whole number or all are 0.
     """
-    path = Path(path)
-    data, affine = _read(path)
-    try:
-        return LabelVolume(data, affine)  # type: ignore[arg-type]
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+    with reading(path, WHAT):
+        data, place = _read(Path(path), affine, log)
+        return LabelVolume(data, place)  # type: ignore[arg-type]
 
 
 def write_image(path: str | Path, image: Image, *, note: str = "") -> None:
@@ -90,7 +109,9 @@ def save_nifti(path: str | Path, image: nib.Nifti1Image, *, note: str = "") -> N
         nib.save(image, part)
 
 
-def _read(path: Path) -> tuple[NDArray[np.generic], FloatArray]:
+def _read(
+    path: Path, affine: str | None, log: Log
+) -> tuple[NDArray[np.generic], FloatArray]:
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     if not path.name.endswith(SUFFIXES):
@@ -98,17 +119,50 @@ def _read(path: Path) -> tuple[NDArray[np.generic], FloatArray]:
             f"{path}: expected a NIfTI image, {' or '.join(SUFFIXES)} "
             "(convert DICOM with dcm2niix)"
         )
-    try:
-        image = nib.load(path)
-        data = np.asanyarray(image.dataobj)  # type: ignore[attr-defined]
-    except (OSError, EOFError, ValueError, ImageFileError, HeaderDataError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise InputError(
-            f"{path}: cannot be read as NIfTI ({reason}): export it again"
-        ) from error
+    image = _parsed(path, read_unpacked(path))
+    place = place_of(path, image, affine, log)
+    data = np.asanyarray(image.dataobj)
     while data.ndim > 3 and data.shape[-1] == 1:
         data = data[..., 0]
-    affine = image.affine  # type: ignore[attr-defined]
-    if affine is None or not np.isfinite(data).all():
+    if not np.isfinite(data).all():
         raise InputError(f"{path}: the image has NaN or infinite voxels: replace them")
-    return data, np.asarray(affine, dtype=np.float64)
+    return _native(data), place
+
+
+def _parsed(path: Path, content: bytes) -> nib.Nifti1Image:
+    """Return the image, once its declared size fits its content."""
+    sizes = {int.from_bytes(content[:4], order) for order in ("little", "big")}
+    kind = next((HEADERS[size] for size in sizes if size in HEADERS), None)
+    if kind is None:
+        raise InputError(
+            "expected a NIfTI image, but it cannot be read (it has no header of one): "
+            "convert it"
+        )
+    header = kind.header_class.from_fileobj(io.BytesIO(content))
+    dtype = header.get_data_dtype()
+    if dtype.fields is not None or dtype.kind not in "buif":
+        looks = "a colour" if dtype.fields is not None else f"a {dtype}"
+        raise InputError(
+            f"an image must hold one real number a voxel (this is {looks} image): "
+            "convert it to grey values or labels"
+        )
+    declared = dtype.itemsize
+    for n in header.get_data_shape():  # in Python's integers, which do not overflow
+        declared *= int(n)
+    check_size(path, declared, "the image")
+    offset = float(header["vox_offset"])
+    if not 0 <= offset <= len(content) or declared > len(content) - int(offset):
+        raise InputError(
+            f"its header declares {declared} bytes of voxels from byte {offset:g} on "
+            f"(it has {len(content)}): it is cut off or damaged, so it cannot be read; "
+            "export it again"
+        )
+    image: nib.Nifti1Image = kind.from_bytes(content)
+    return image
+
+
+def _native(data: NDArray[np.generic]) -> NDArray[np.generic]:
+    """Return voxels in this machine's byte order and of a width that ITK knows."""
+    if data.dtype.kind == "f" and data.dtype.itemsize not in (4, 8):
+        return data.astype(np.float64)
+    return data.astype(data.dtype.newbyteorder("="), copy=False)

@@ -12,6 +12,8 @@ from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces, region_faces
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_file
+from physgnn.io.numbers import real_numbers
+from physgnn.io.reading import reading
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.vtu import RAS, SPACE, add_notes, read_mesh
 from physgnn.progress import Log, no_log
@@ -43,12 +45,12 @@ def read_displacement(
     if STATE in grid.field_data:
         raise InputError(
             f"{path}: this body is deformed already; give the mesh at rest with its "
-            "displacement, as 'physgnn predict' or 'register' writes it unless told "
-            "otherwise"
+            "displacement, as 'physgnn predict' or 'register' writes it unless another "
+            "form is asked for"
         )
     arrays = grid.point_data
     if DISPLACEMENT not in arrays or arrays[DISPLACEMENT].shape != mesh.points.shape:
-        have = ", ".join(arrays.keys()) or "none"
+        have = ", ".join(arrays) or "none"
         raise InputError(
             f"{path}: needs a point array '{DISPLACEMENT}' of three components (it "
             f"has: {have}); make it with 'physgnn predict'"
@@ -57,7 +59,8 @@ def read_displacement(
         status = " ".join(map(str, grid.field_data.get(STATUS, ["not ok"])))
         reasons = "; ".join(map(str, grid.field_data[REASONS]))
         log(f"warning: {path} holds a displacement that is not ok: {status}: {reasons}")
-    return mesh, np.asarray(arrays[DISPLACEMENT], dtype=np.float64)
+    with reading(path, "a displacement"):
+        return mesh, real_numbers(arrays[DISPLACEMENT], DISPLACEMENT)
 
 
 def write_deformed(

@@ -34,7 +34,8 @@ def predict(
     out : path
         Where the displacement goes; its suffix decides in what form.
     form : str, optional
-        A row of `physgnn.io.answer_files.FORMS`, where the suffix leaves a choice.
+        A row of `physgnn.io.displacement_files.FORMS`, where the suffix leaves a
+        choice.
     image : path, optional
         NIfTI whose voxels a field on voxels has; by default 2 mm around the body.
     tolerance_mm : float, optional
@@ -52,7 +53,7 @@ def predict(
         If a file cannot be used, or the displacement not be written so.
     """
     from physgnn.io import read_load_case
-    from physgnn.io.answer_files import DisplacementFields, form_of
+    from physgnn.io.displacement_files import DisplacementFields, form_of
     from physgnn.io.medical.nifti import read_image
     from physgnn.learning.models import build_model
     from physgnn.prediction.predictor import Predictor

@@ -116,7 +116,7 @@ def form_of(path: str | Path, name: str | None = None) -> FileForm:
     wanted = [suffix for form in FORMS.values() for suffix in form.suffixes]
     if name is not None:
         wanted = list(FORMS[name].suffixes)
-    of = "an answer" if name is None else f"form '{name}'"
+    of = "a displacement" if name is None else f"form '{name}'"
     raise InputError(
         f"{path}: {of} is written as {', '.join(dict.fromkeys(wanted))} "
         f"(got '{Path(path).name}')"
