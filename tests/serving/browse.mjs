@@ -45,7 +45,7 @@ async function predicted(name) {
 }
 const state = async () => page.evaluate(() => ({
   predictions: window.physgnn.predictions,
-  push: window.physgnn.load.point && window.physgnn.load.message({ predictors: ["network"] }),
+  patch_load: window.physgnn.load.point && window.physgnn.load.message({ predictors: ["network"] }),
   largest: document.querySelector("#largest").textContent,
   error: document.querySelector("#error").textContent,
   chip: document.querySelector("#chip").textContent,
