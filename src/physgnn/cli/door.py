@@ -8,8 +8,8 @@ that cannot be read or written. 3: done, but the status says not to rely on the 
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from types import FrameType
 
 FAILED, WRONG_INPUT = 1, 2
@@ -22,14 +22,14 @@ def main() -> None:
 
 
 def _code() -> int:
-    with _ending_at_once():
-        from physgnn import interrupts
-        from physgnn.cli.app import run
-    with interrupts.raising():
-        code = _guarded(run)
-        if (number := interrupts.received()) is not None:
-            return _interrupted(number)
-        return code
+    _end_at_once_on_signals()
+    from physgnn import interrupts
+    from physgnn.cli.app import run
+
+    interrupts.install()
+    code = _guarded(run)
+    number = interrupts.received()
+    return code if number is None else _interrupted(number)
 
 
 def _guarded(run: Callable[[], int]) -> int:
@@ -76,8 +76,7 @@ def _interrupted(number: int) -> int:
     return 128 + number
 
 
-@contextmanager
-def _ending_at_once() -> Iterator[None]:
+def _end_at_once_on_signals() -> None:
     """End on a signal while modules are imported: nothing needs cleaning up yet.
 
     An exception would be printed, or lost, by whichever import it hits.
@@ -88,15 +87,9 @@ def _ending_at_once() -> Iterator[None]:
         os.write(2, b"physgnn: " + what + b"\n")
         os._exit(128 + number)
 
-    try:
-        before = {n: signal.signal(n, end) for n in (signal.SIGINT, signal.SIGTERM)}
-    except ValueError:  # not the main thread
-        before = {}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    with suppress(ValueError):  # not the main thread
+        signal.signal(signal.SIGINT, end)
+        signal.signal(signal.SIGTERM, end)
 
 
 def _silence_other_ranks() -> None:
