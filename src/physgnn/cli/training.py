@@ -106,7 +106,7 @@ def train(
         bool, typer.Option("--resume", help="Continue an interrupted run.")
     ] = False,
 ) -> None:
-    """Train a network on a dataset; the best weights are kept."""
+    """Train a network on a dataset and save its best weights."""
     with progress("training") as move:
         checkpoint = stages.train(
             store,

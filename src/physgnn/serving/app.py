@@ -1,4 +1,4 @@
-"""The web application: a page, its WebSocket, and a load case to keep."""
+"""The web application: a page, its WebSocket, and a load case to save."""
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -12,7 +12,7 @@ from fastapi.staticfiles import StaticFiles
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 
 from physgnn.errors import InputError
-from physgnn.serving.protocol.messages import MAX_BYTES, read_push
+from physgnn.serving.protocol.messages import MAX_BYTES, read_patch_load
 from physgnn.serving.sessions.engine import Engine
 from physgnn.serving.sessions.predictions import load_case
 from physgnn.serving.sessions.session import Session
@@ -29,7 +29,7 @@ def make_app(engine: Engine, *beside: Beside) -> FastAPI:
     Parameters
     ----------
     engine : Engine
-        Answers for all sessions; closed with the application.
+        Predicts for all sessions; closed with the application.
     *beside : callables
         Contexts to run as long as the application does.
     """
@@ -55,15 +55,17 @@ def make_app(engine: Engine, *beside: Beside) -> FastAPI:
 
 def _add_load_case(app: FastAPI, engine: Engine) -> None:
     @app.post("/load-case")
-    async def keep(request: Request) -> Response:
-        """Return the nodal forces of a push, as ``physgnn predict --load`` reads."""
+    async def save(request: Request) -> Response:
+        """Return a patch load's nodal forces, as ``physgnn predict --load`` reads."""
         content = bytearray()
         async for part in request.stream():
             content += part
             if len(content) > MAX_BYTES:
                 break
         try:
-            case = load_case(engine, read_push(content.decode("utf-8", "replace")))
+            case = load_case(
+                engine, read_patch_load(content.decode("utf-8", "replace"))
+            )
         except InputError as error:
             return JSONResponse({"error": str(error)}, status_code=422)
         return JSONResponse(
@@ -79,7 +81,7 @@ def _add_live(app: FastAPI, engine: Engine) -> None:
             return
         await socket.accept()
         session = Session(engine, socket.send_text, socket.send_bytes)
-        # The browser may leave while an answer is on its way.
+        # The browser may leave while a prediction is on its way.
         with suppress(WebSocketDisconnect, RuntimeError):
             await session.run(_messages(socket))
 

@@ -2,7 +2,7 @@
 
 Every client gets IMAGE "Displacement" (three float32 components, mm, RAS, 0 outside the
 body) and, where wanted, POLYDATA "Brain", "Tumour", … (the deformed surfaces). Only the
-newest answer is sent, so a slow client sees fewer frames and holds up nobody.
+newest displacement is sent, so a slow client sees fewer frames and holds up nobody.
 """
 
 import asyncio
@@ -49,12 +49,12 @@ class Newest:
 async def stream(
     engine: Engine, listening: socket, *, surfaces: bool = False
 ) -> AsyncIterator[None]:
-    """Serve every answer of the engine to OpenIGTLink clients.
+    """Serve every prediction of the engine to OpenIGTLink clients.
 
     Parameters
     ----------
     engine : Engine
-        Whose answers.
+        Whose predictions are sent.
     listening : socket
         Bound to an address.
     surfaces : bool
@@ -94,7 +94,7 @@ async def _send_all(
     reader: asyncio.StreamReader,
     writer: asyncio.StreamWriter,
 ) -> None:
-    """Send one client every answer it has time for, the present one at once."""
+    """Send one client every prediction it has time for, the present one at once."""
     leaving = asyncio.create_task(_drained(reader))
     number = -1
     with suppress(ConnectionError, asyncio.CancelledError):
@@ -113,7 +113,7 @@ async def _send_all(
 
 
 async def _drained(reader: asyncio.StreamReader) -> None:
-    """Read what a client says, which is of no interest, until it leaves."""
+    """Read and drop what a client sends until it leaves."""
     with suppress(ConnectionError):
         while await reader.read(4096):
             pass

@@ -42,7 +42,7 @@ def serve(
     igtl_surfaces : bool
         Stream the deformed surfaces too.
     log : callable
-        Told the addresses.
+        Receives the addresses, a line each.
 
     Raises
     ------

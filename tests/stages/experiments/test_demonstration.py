@@ -32,7 +32,7 @@ def test_the_bundled_models_card_compares_it_with_peers(
     out = tmp_path / "bundled"
     bundling.bundle(tmp_path / "work", out, log=print)
     card = (out / "model_card.md").read_text("utf-8")
-    for row in ("POD + small network", "PhysGNN", "Lifted network", "Certified"):
+    for row in ("POD + small network", "PhysGNN", "Lifted network", "Repaired"):
         assert f"| {row}" in card
     assert str(tmp_path) not in card
 

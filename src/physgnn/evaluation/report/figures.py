@@ -102,7 +102,7 @@ def draw_figures(
     if any(sample.estimate_mean is not None for sample in model.samples):
         caption = (
             "The error bound each prediction carried over its true error; dots above "
-            "the line kept the promise."
+            "the line are within the bound."
         )
         made.append(
             _save("error_bound", caption, lambda: estimate_chart(model), folder)
@@ -172,7 +172,7 @@ def _draw_deformed(store: Store, model: ModelErrors, folder: Path) -> Picture:
 
     return _save(
         "deformed",
-        f"The finite-element answer for load path {sample.path} at "
+        f"The finite-element solution for load path {sample.path} at "
         f"{100 * sample.load_factor:.0f} % load, true to scale; it moves up to "
         f"{sample.largest_displacement:.1f} mm.",
         figure,

@@ -22,7 +22,7 @@ MODELS = {
     "lifted": ("Lifted network", "#0f9d7e"),
     "reduced": ("Reduced model", "#c2a500"),
     "galerkin": ("POD-Galerkin", "#8c6d9e"),
-    "certified": ("Certified", "#d4477e"),
+    "certified": ("Repaired", "#d4477e"),
     "finite-element": ("Finite elements", "#6b5b4b"),
 }
 SPARE_COLOURS = ("#d4477e", "#c2a500", "#5b6ee1", "#3fa7c9", "#7a5195")

@@ -1,4 +1,4 @@
-"""What a browser may say: every field checked, every mistake one line."""
+"""The messages a browser may send, with every field checked."""
 
 from collections.abc import Collection
 from typing import Annotated, Literal
@@ -47,33 +47,33 @@ class _Message(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
 
-class Push(_Message):
+class PatchLoad(_Message):
     """A force on a patch of the exposed surface, and what is wanted for it.
 
     Attributes
     ----------
     id : int
-        Comes back with every answer to this push.
+        Comes back with every prediction for this patch load.
     point : three floats
         Centre of the patch at rest, mm.
     force_n : three floats
         Force on the whole patch, N, not zero.
     radius_mm : float
         Radius of the patch.
-    answers : list of str
-        Which predictors shall answer at once.
+    predictors : list of str
+        Which predictors are wanted at once.
     field : str
         Which scalar comes with the displacement: a row of `fields.FIELDS`.
     solve : bool
         Whether finite elements shall follow in the background.
     """
 
-    type: Literal["push"] = "push"
+    type: Literal["patch_load"] = "patch_load"
     id: Annotated[int, Field(ge=0, lt=2**53)] = 0
     point: Vector
     force_n: Vector
     radius_mm: Annotated[Number, Field(gt=0, le=MAX_RADIUS_MM)]
-    answers: Annotated[list[PredictorName], Field(min_length=1, max_length=2)]
+    predictors: Annotated[list[PredictorName], Field(min_length=1, max_length=2)]
     field: FieldName = "displacement"
     solve: bool = False
 
@@ -95,16 +95,16 @@ class SectionPlane(_Message):
 
 
 class Release(_Message):
-    """Let go: nothing more is wanted for the last push."""
+    """Let go: nothing more is wanted for the last patch load."""
 
     type: Literal["release"] = "release"
 
 
-Message = Annotated[Push | SectionPlane | Release, Field(discriminator="type")]
-_READER: TypeAdapter[Push | SectionPlane | Release] = TypeAdapter(Message)
+Message = Annotated[PatchLoad | SectionPlane | Release, Field(discriminator="type")]
+_READER: TypeAdapter[PatchLoad | SectionPlane | Release] = TypeAdapter(Message)
 
 
-def read_message(content: str | bytes) -> Push | SectionPlane | Release:
+def read_message(content: str | bytes) -> PatchLoad | SectionPlane | Release:
     """Return a message from the browser.
 
     Raises
@@ -122,21 +122,21 @@ def read_message(content: str | bytes) -> Push | SectionPlane | Release:
         message = _READER.validate_json(content)
     except ValidationError as error:
         raise InputError(_first(error)) from error
-    if isinstance(message, Push):
+    if isinstance(message, PatchLoad):
         _check_force(message)
     return message
 
 
-def read_push(content: str | bytes) -> Push:
-    """Return a message that must be a push; InputError if it is not."""
+def read_patch_load(content: str | bytes) -> PatchLoad:
+    """Return a message that must be a patch load; InputError if it is not."""
     message = read_message(content)
-    if not isinstance(message, Push):
-        raise InputError(f"a push is wanted here (got {message.type})")
+    if not isinstance(message, PatchLoad):
+        raise InputError(f"a patch load is wanted here (got {message.type})")
     return message
 
 
-def _check_force(push: Push) -> None:
-    size = sum(component**2 for component in push.force_n) ** 0.5
+def _check_force(patch_load: PatchLoad) -> None:
+    size = sum(component**2 for component in patch_load.force_n) ** 0.5
     if not 0 < size <= MAX_FORCE_N:
         raise InputError(
             f"force_n must be longer than 0 and at most {MAX_FORCE_N:g} N "
@@ -146,5 +146,5 @@ def _check_force(push: Push) -> None:
 
 def _first(error: ValidationError) -> str:
     what = error.errors(include_url=False, include_input=False)[0]
-    where = ".".join(str(part) for part in what["loc"] if part != "push")
+    where = ".".join(str(part) for part in what["loc"] if part != "patch_load")
     return f"{where or 'message'}: {what['msg']}"

@@ -62,7 +62,7 @@ function calm(act) {
 }
 
 export function showRest() {
-  showAnswer.cancel();
+  showPrediction.cancel();
   chip("at rest", "");
   for (const id of ["largest", "tumour", "error"]) $(id).textContent = "–";
   $("reasons").replaceChildren();
@@ -72,21 +72,21 @@ export function showRest() {
   $("error-bar").querySelector(".value").style.left = "0";
 }
 
-export const showAnswer = calm((header, solving) => {
+export const showPrediction = calm((header, solving) => {
   $("largest").textContent = header.largest_mm.toFixed(2);
   $("tumour").textContent = header.tumour_mm === null ? "–" : header.tumour_mm.toFixed(2);
   showError(header);
   showStatus(header);
   const after = solving ? " · finite elements are solving…" : "";
   $("source").textContent =
-    `${NAMES[header.answer]} · ${milliseconds(header.seconds)} · ${header.loaded_nodes} nodes loaded${after}`;
+    `${NAMES[header.predictor]} · ${milliseconds(header.seconds)} · ${header.loaded_nodes} nodes loaded${after}`;
 });
 
-function showStatus({ answer, status, remedy, reasons }) {
+function showStatus({ predictor, status, remedy, reasons }) {
   if (status === "outside trained range") chip("outside the trained range", "outside");
   else if (status === "tolerance not met") chip("not solved", "failed");
-  else if (answer === "network") chip("inside the trained range", "ok");
-  else chip(answer === "linear" ? "linear elasticity" : "solved", answer === "linear" ? "" : "ok");
+  else if (predictor === "network") chip("inside the trained range", "ok");
+  else chip(predictor === "linear" ? "linear elasticity" : "solved", predictor === "linear" ? "" : "ok");
   $("chip").title = remedy;
   $("reasons").replaceChildren(...reasons.map((text) =>
     Object.assign(document.createElement("li"), { textContent: text })));
