@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from physgnn.stages import demo as demo
     from physgnn.stages import evaluate as evaluate
     from physgnn.stages import export as export
+    from physgnn.stages import fit_material as fit_material
     from physgnn.stages import import_results as import_results
     from physgnn.stages import mesh as mesh
     from physgnn.stages import predict as predict
@@ -84,6 +85,7 @@ _HOME = {
     "demo": "stages",
     "evaluate": "stages",
     "export": "stages",
+    "fit_material": "stages",
     "import_results": "stages",
     "mesh": "stages",
     "predict": "stages",

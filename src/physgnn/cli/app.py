@@ -8,6 +8,7 @@ from physgnn.cli import (
     exchange,
     experiments,
     images,
+    materials,
     patients,
     predictions,
     simulation,
@@ -35,6 +36,7 @@ app.command(hidden=True)(experiments.bundle)
 app.command()(experiments.published)
 app.command()(experiments.reproduce)
 app.command()(experiments.ablate)
+app.command()(materials.fit_material)
 app.command()(patients.anatomies)
 app.command()(patients.adapt)
 app.command()(images.warp)

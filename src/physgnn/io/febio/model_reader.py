@@ -1,24 +1,25 @@
 """Reads a FEBio model (.feb 4.0) of the kind we can solve and learn from.
 
-That is: linear tetrahedra, our materials, points held in all directions, and nodal
-forces that share one load curve. Anything else in the file is named and refused, since
-leaving it out would change the solution.
+That is: linear tetrahedra, our materials, points held in all directions, and loads of
+ours (`physgnn.io.febio.load_reader`) that share one load curve. Anything else in the
+file is named and refused, since leaving it out would change the solution.
 """
 
-import math
-import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io.febio.elements import AXES, floats
+from physgnn.io.febio.load_reader import PRESCRIBED, LoadReader
 from physgnn.io.febio.log import read_febio_log
 from physgnn.io.febio.materials import material_of
-from physgnn.io.febio.model_writer import AXES, REGION_PREFIX
+from physgnn.io.febio.model_writer import REGION_PREFIX
 from physgnn.io.reading import reading
 from physgnn.io.simulation import Simulation
 from physgnn.io.xml_tree import read_xml
@@ -127,12 +128,13 @@ class _Reader:
         self.node_ids: IntArray = ids[order]
         if (np.diff(self.node_ids) == 0).any():
             raise InputError("two nodes have the same id")
-        points = np.array([_floats(node) for node in nodes]).reshape(-1, 3)
+        points = np.array([floats(node) for node in nodes]).reshape(-1, 3)
         self.points: FloatArray = points[order]
         self.sets = {
-            element.attrib["name"]: self._index(_floats(element))
+            element.attrib["name"]: self._index(floats(element))
             for element in root.findall("Mesh/NodeSet")
         }
+        self.loads = LoadReader(root, self.sets, self._index, len(points))
 
     def model(self, path: Path) -> FebioModel:
         mesh, materials = self._body()
@@ -146,7 +148,7 @@ class _Reader:
             mesh=mesh,
             materials=materials,
             fixed=self._fixed(),
-            load_path=self._loads(times),
+            load_path=self.loads.path(times),
             times=times,
             node_ids=self.node_ids,
             log=None if name is None else path.parent / name,
@@ -168,7 +170,7 @@ class _Reader:
             label = _region(name, number)
             materials[label] = material_of(named[of_part[name]])
             ids += [int(cell.attrib["id"]) for cell in part]
-            cells += [_floats(cell) for cell in part]
+            cells += [floats(cell) for cell in part]
             region += [label] * len(part)
         order = np.argsort(ids)
         corners = self._index(np.array(cells).ravel()).reshape(-1, 4)
@@ -183,79 +185,18 @@ class _Reader:
     def _fixed(self) -> IntArray:
         held = []
         for bc in self.root.findall("Boundary/*"):
+            if (bc.tag, bc.get("type")) == ("bc", PRESCRIBED):
+                continue
             dofs = [bc.findtext(f"{axis}_dof") for axis in AXES]
             if bc.get("type") != "zero displacement" or dofs != ["1", "1", "1"]:
                 raise InputError(
                     f"boundary condition '{bc.get('name')}' must be zero displacement "
-                    "in x, y and z"
+                    f"in x, y and z, or {PRESCRIBED}"
                 )
-            held.append(self._set(bc))
+            held.append(self.loads.set_of(bc))
         if not held:
             raise InputError("no boundary condition holds a node")
         return np.concatenate(held)
-
-    def _loads(self, times: FloatArray) -> LoadPath:
-        force = np.zeros_like(self.points)
-        curves = set()
-        for load in self.root.findall("Loads/*"):
-            if load.get("type") != "nodal_load":
-                raise InputError(
-                    f"load '{load.get('name')}' must be nodal_load "
-                    f"(got {load.tag} {load.get('type')})"
-                )
-            scale, dof = load.find("scale"), (load.findtext("dof") or "").strip()
-            if scale is None or dof not in tuple(AXES):
-                raise InputError(
-                    f"load '{load.get('name')}' needs a <scale>, and a <dof> that is "
-                    f"x, y or z (got '{dof}')"
-                )
-            axis = AXES.index(dof)
-            np.add.at(force[:, axis], self._set(load), self._values(load, scale))
-            curves.add(scale.get("lc"))
-        if len(curves) != 1:
-            raise InputError(f"loads must share one load curve (got {len(curves)})")
-        factors = self._curve(curves.pop() or "", times)
-        sets = [self._set(load) for load in self.root.findall("Loads/nodal_load")]
-        nodes = np.array(list(dict.fromkeys(np.concatenate(sets).tolist())))
-        largest = max(float(factors.max()), 1.0)
-        return LoadPath(nodes, force[nodes] * largest, factors / largest)
-
-    def _values(self, load: ET.Element, scale: ET.Element) -> FloatArray:
-        text = (scale.text or "").strip()
-        if scale.get("type") != "map":
-            return np.array(float(text))
-        data = self.root.find(f"MeshData/NodeData[@name='{text}']")
-        if data is None or data.get("node_set") != load.get("node_set"):
-            raise InputError(
-                f"load '{load.get('name')}' needs NodeData '{text}' on its set"
-            )
-        values = np.zeros(len(self._set(load)))
-        lids = [int(node.attrib["lid"]) for node in data]
-        if sorted(lids) != list(range(1, len(values) + 1)):
-            raise InputError(
-                f"NodeData '{text}' needs one value for every node of its set, lid 1 "
-                f"to {len(values)}"
-            )
-        values[np.array(lids) - 1] = [float(node.text or "") for node in data]
-        return values
-
-    def _curve(self, name: str, times: FloatArray) -> FloatArray:
-        points = [
-            _floats(point)
-            for point in self.root.findall(
-                f"LoadData/load_controller[@id='{name}']/points/pt"
-            )
-        ]
-        if not points:
-            raise InputError(f"there is no load curve '{name}'")
-        time, value = np.array(points).T
-        if (np.diff(time) <= 0).any():
-            raise InputError(f"the times of load curve '{name}' must increase")
-        factors: FloatArray = np.interp(times, time, value)
-        return factors
-
-    def _set(self, element: ET.Element) -> IntArray:
-        return self.sets[element.attrib["node_set"].removeprefix("@node_list:")]
 
     def _index(self, ids: FloatArray | list[float]) -> IntArray:
         index = np.searchsorted(self.node_ids, ids)
@@ -267,13 +208,6 @@ class _Reader:
 
     def _text(self, where: str) -> str:
         return self.root.findtext(where) or ""
-
-
-def _floats(element: ET.Element) -> list[float]:
-    values = [float(value) for value in (element.text or "").split(",")]
-    if not all(map(math.isfinite, values)):
-        raise InputError(f"<{element.tag}> must hold finite numbers (got {values})")
-    return values
 
 
 def _region(part: str, number: int) -> int:
