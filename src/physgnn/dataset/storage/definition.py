@@ -16,6 +16,7 @@ from physgnn.dataset.storage.result_rows import result_arrays
 from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_indices
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io.digest import digest_of
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, checked_element
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadPath
@@ -65,7 +66,7 @@ class Definition:
         beyond: list[Any] = [self.element, of_path, *loads]
         if self.element == DEFAULT_ELEMENT and not loads:
             beyond = []  # as for stores made before there was any of it
-        return layout.digest_of(
+        return digest_of(
             self.mesh.content_hash,
             _records(self.materials),
             self.fixed,

@@ -3,9 +3,6 @@
 docs/reference/data_format.md describes the same for readers in other languages.
 """
 
-import hashlib
-import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -120,15 +117,3 @@ def open_group(path: Path) -> zarr.Group:
 def store_path(group: zarr.Group) -> Path:
     """Return the folder of a store's root group."""
     return Path(str(group.store).removeprefix("file://"))
-
-
-def digest_of(*parts: np.ndarray[Any, Any] | str | Mapping[str, Any]) -> str:
-    """SHA-256 of arrays (shape and bytes), strings and JSON mappings, in order."""
-    digest = hashlib.sha256()
-    for part in parts:
-        if isinstance(part, np.ndarray):
-            digest.update(f"{part.dtype.str}{part.shape}".encode())
-            digest.update(np.ascontiguousarray(part).tobytes())
-        else:
-            digest.update(json.dumps(part, sort_keys=True).encode())
-    return digest.hexdigest()

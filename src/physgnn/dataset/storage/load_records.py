@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.dataset.storage import layout
+from physgnn.io.digest import digest_of
 from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
@@ -48,7 +48,7 @@ def from_record(record: Mapping[str, Any], arrays: Arrays) -> Load:
 def digest(load: Load) -> str:
     """Return the SHA-256 of a load."""
     record, arrays = to_record(load)
-    return layout.digest_of(record, *(arrays[name] for name in sorted(arrays)))
+    return digest_of(record, *(arrays[name] for name in sorted(arrays)))
 
 
 def distinct(paths: Sequence[LoadPath]) -> tuple[dict[str, Load], NDArray[np.int32]]:

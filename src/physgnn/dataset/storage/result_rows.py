@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from physgnn.dataset.storage.layout import digest_of
+from physgnn.io.digest import digest_of
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 
 MESSAGE_BYTES = 256

@@ -18,6 +18,7 @@ from physgnn.dataset.storage.stored_paths import StoredPaths
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_folder
+from physgnn.io.digest import digest_of
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.solution import Solution, Status
@@ -298,4 +299,4 @@ class Store:
 
     def content_hash(self) -> str:
         """SHA-256 of what is asked and of all answers so far; times do not count."""
-        return layout.digest_of(self.definition_hash, self._read("result/digest"))
+        return digest_of(self.definition_hash, self._read("result/digest"))
