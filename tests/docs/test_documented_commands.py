@@ -7,6 +7,7 @@ Elsewhere a block of Python runs alone if ``<!-- run -->`` stands before it.
 """
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -110,7 +111,10 @@ def parse(arguments: list[str]) -> None:
 
 def parse_benchmark(words: list[str]) -> None:
     """Check that a benchmark exists and names the options that it is given."""
-    source = (ROOT / words[0]).read_text("utf-8")
+    script = ROOT / words[0]
+    source = script.read_text("utf-8")
+    for shared in re.findall(r"^from (\w+) import .*add_arguments", source, re.M):
+        source += (script.with_name(f"{shared}.py")).read_text("utf-8")
     for option in (word.split("=")[0] for word in words if word.startswith("-")):
         assert f'"{option}"' in source, f"{words[0]} has no option {option}"
 

@@ -28,8 +28,10 @@ def train(
     model: Annotated[
         str | None,
         typer.Option(
-            help="Train this model: galerkin, lifted, physgnn (the default) or "
-            "reduced; or one of your own, as module:Class."
+            help="Train this model: lifted or physgnn (the default); or fit one that "
+            "has no steps: reduced, galerkin, pod_network, extra_trees, nodal_network, "
+            "level_interpolation, linear, finite_element, zero; or one of your own, as "
+            "module:Class."
         ),
     ] = None,
     configuration: Annotated[

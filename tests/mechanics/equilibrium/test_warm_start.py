@@ -149,11 +149,16 @@ def test_of_two_equilibria_the_load_reaches_the_one_followed_to():
         np.testing.assert_allclose(begun.displacement, states[level], atol=1e-3)
 
 
-def test_the_last_try_reaches_what_the_solver_reaches_and_nothing_else():
-    """Loads near snap-throughs, where short steps and a tight tolerance decide."""
+def test_the_last_try_reaches_what_the_solver_reaches_and_nothing_but_equilibria():
+    """Loads near snap-throughs, where short steps and a tight tolerance decide.
+
+    Rounding, which differs between processors, may decide whether a snap-through is
+    passed. What is found where the solver stops must then be an equilibrium.
+    """
     mesh, rng = block_mesh(4), np.random.default_rng(1)
     materials = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
-    warm_start = WarmStartSolver(Body(mesh, materials))
+    body = Body(mesh, materials)
+    warm_start, newton = WarmStartSolver(body), Newton(body)
     snaps = 0
     for node in rng.choice(mesh.point_set("loaded"), 12, replace=False):
         direction = rng.normal(size=3)
@@ -164,10 +169,13 @@ def test_the_last_try_reaches_what_the_solver_reaches_and_nothing_else():
         for level in (29, 10):
             found = warm_start.solve(path.case(level), tolerance_mm=0.1)
             solved = solution.status[level] == Status.CONVERGED
-            assert (found.status == Status.CONVERGED) == solved
             if solved:
+                assert found.status == Status.CONVERGED
                 missed = found.displacement - solution.displacement[level]
                 assert np.abs(missed).max() < 0.1
+            elif found.status == Status.CONVERGED:
+                away_mm = newton.distance(path.case(level), found.displacement)
+                assert away_mm < 0.1
     assert snaps >= 3
 
 
