@@ -13,7 +13,7 @@ from numba import njit
 
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.elements.cell_kinematics import kinematics
-from physgnn.mechanics.elements.tet4 import Elements, _add_force
+from physgnn.mechanics.elements.tet4 import Elements, _add_force, check_state
 from physgnn.mechanics.materials import table
 
 SMALLEST_J = 0.05
@@ -69,6 +69,7 @@ def extrapolated_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, i
     n_inverted : int
         Cells with det F ≤ 0.
     """
+    check_state(elements, u)
     force = np.zeros_like(u)
     n_inverted = _extrapolated_force(
         elements.cells,

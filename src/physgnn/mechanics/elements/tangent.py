@@ -19,6 +19,7 @@ from physgnn.mechanics.elements.tet4 import (
     Elements,
     MeanState,
     _element_tangent,
+    check_state,
     mean_state,
 )
 from physgnn.mechanics.materials import table
@@ -194,6 +195,7 @@ def assemble_tangent(
     inverted : int
         First cell with det F ≤ 0, or −1; the values are then of no use.
     """
+    check_state(elements, u)
     data = np.zeros(len(pattern.indices))
     pressure = NO_PRESSURE
     if elements.averaging is not None:

@@ -200,8 +200,18 @@ class MeanState:
     pressure: FloatArray
 
 
+def check_state(elements: Elements, u: FloatArray) -> None:
+    """Raise InputError unless u has one row a point: kernels read without looking."""
+    if u.shape != (elements.n_points, 3):
+        raise InputError(
+            f"a displacement must have shape ({elements.n_points}, 3), one row a point "
+            f"(got {u.shape})"
+        )
+
+
 def mean_state(elements: Elements, u: FloatArray) -> tuple[MeanState | None, int]:
     """Average the change of volume; None and the first inverted cell if one is."""
+    check_state(elements, u)
     averaging = elements.averaging
     assert averaging is not None
     J = np.empty(len(elements.cells))
@@ -224,6 +234,7 @@ def internal_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
     inverted : int
         First cell with det F ≤ 0, or −1; the force is then of no use.
     """
+    check_state(elements, u)
     force = np.zeros((elements.n_points, 3))
     pressure = NO_PRESSURE
     if elements.averaging is not None:
@@ -246,6 +257,7 @@ def internal_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
 
 def strain_energy(elements: Elements, u: FloatArray) -> float:
     """Σ_e V W(F), N·mm; infinite if a cell is inverted."""
+    check_state(elements, u)
     total = float(
         _strain_energy(
             elements.cells,
