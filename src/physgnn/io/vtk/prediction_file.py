@@ -55,8 +55,8 @@ def read_displacement(
             f"{path}: needs a point array '{DISPLACEMENT}' of three components (it "
             f"has: {have}); make it with 'physgnn predict'"
         )
-    if REASONS in grid.field_data:
-        status = " ".join(map(str, grid.field_data.get(STATUS, ["not ok"])))
+    if REASONS in grid.field_data and STATUS in grid.field_data:
+        status = " ".join(map(str, grid.field_data[STATUS]))
         reasons = "; ".join(map(str, grid.field_data[REASONS]))
         log(f"warning: {path} holds a displacement that is not ok: {status}: {reasons}")
     with reading(path, "a displacement"):

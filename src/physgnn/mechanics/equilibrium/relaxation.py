@@ -34,7 +34,8 @@ class Relaxation:
     moved : (n_points, 3) array
         The way from the guess, mm.
     last : (n_points, 3) array
-        The last step of it, mm.
+        The last step of it, mm; where not even a first could be taken, that which was
+        looked for.
     """
 
     displacement: FloatArray
@@ -48,6 +49,8 @@ class Relaxation:
         It points the way the guess was moved, and is longer than that by what seems to
         remain.
         """
+        if not self.moved.any():
+            return LEFT * self.last
         length = np.linalg.norm(self.moved, axis=1, keepdims=True)
         remains = LEFT * np.linalg.norm(self.last, axis=1, keepdims=True)
         tiny = np.finfo(float).tiny
@@ -94,6 +97,7 @@ def relax(iteration: QuasiNewton, start: FloatArray) -> Relaxation:
         d = iteration.direction(r)
         scale, r_new = follow(iteration, state, d, r)
         if scale == 0.0:
+            last = last if last.any() else d
             break
         last = scale * d
         iteration.remember(last, r - r_new)

@@ -64,10 +64,9 @@ def prediction_frame(
         "predictor": solved.by,
         "field": message.field,
         "status": str(status),
+        "usable": status.usable,
         "remedy": status.remedy,
-        "reasons": engine.viewed.reasons_outside(case)
-        if solved.by == "network"
-        else [],
+        "reasons": list(prediction.reasons),
         "error": None
         if estimate is None
         else {

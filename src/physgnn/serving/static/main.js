@@ -218,7 +218,7 @@ stage.controls.addEventListener("change", () => { if (sectionFrame) restyle(); }
 /** The arrow's head follows the surface of each view. */
 function placeArrow() {
   if (!load.point) return;
-  const outside = predictions.get("network")?.header.status === "outside trained range";
+  const outside = predictions.get("network")?.header.usable === false;
   stage.views.forEach((view, i) => {
     const tip = view.at(load.point);
     if (i === 0) load.tip = tip;
