@@ -1,10 +1,12 @@
 """NIfTI images and label maps, as nibabel places them in the world: RAS+, mm."""
 
 import io
+import warnings
 from pathlib import Path
 
 import nibabel as nib
 import numpy as np
+from nibabel.imageglobals import LoggingOutputSuppressor
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
@@ -20,6 +22,7 @@ from physgnn.progress import Log, no_log
 SUFFIXES = (".nii", ".nii.gz")
 WHAT = "a NIfTI image"
 # the first word of the header is its length
+CODES = range(6)  # of sform_code and qform_code
 HEADERS = {348: nib.Nifti1Image, 540: nib.Nifti2Image}
 
 
@@ -130,7 +133,15 @@ def _parsed(path: Path, content: bytes) -> nib.Nifti1Image:
             "expected a NIfTI image, but it cannot be read (it has no header of one): "
             "convert it"
         )
-    header = kind.header_class.from_fileobj(io.BytesIO(content))
+    header = kind.header_class.from_fileobj(io.BytesIO(content), check=False)
+    for name in ("sform_code", "qform_code"):
+        if int(header[name]) not in CODES:
+            raise InputError(f"{name} must be 0 to 5 (got {int(header[name])})")
+    if int(header["sform_code"]) == 0 and not (header["pixdim"][1:4] > 0).all():
+        raise InputError(
+            f"voxels must have a size in mm (got {header['pixdim'][1:4]}): export it "
+            "again"
+        )
     dtype = header.get_data_dtype()
     if dtype.fields is not None or dtype.kind not in "buif":
         looks = "a colour" if dtype.fields is not None else f"a {dtype}"
@@ -149,7 +160,9 @@ def _parsed(path: Path, content: bytes) -> nib.Nifti1Image:
             f"(it has {len(content)}): it is cut off or damaged, so it cannot be read; "
             "export it again"
         )
-    image: nib.Nifti1Image = kind.from_bytes(content)
+    with LoggingOutputSuppressor(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # nibabel raises what it cannot repair
+        image: nib.Nifti1Image = kind.from_bytes(content)
     return image
 
 
