@@ -1,12 +1,9 @@
 """NIfTI images and label maps, as nibabel places them in the world: RAS+, mm."""
 
-import io
-import warnings
 from pathlib import Path
 
 import nibabel as nib
 import numpy as np
-from nibabel.imageglobals import LoggingOutputSuppressor
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
@@ -14,16 +11,13 @@ from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.io.atomic import whole_file
 from physgnn.io.compressed import read_unpacked
-from physgnn.io.limits import check_size
+from physgnn.io.medical.nifti_header import parsed_nifti
 from physgnn.io.medical.nifti_place import place_of
 from physgnn.io.reading import reading
 from physgnn.progress import Log, no_log
 
 SUFFIXES = (".nii", ".nii.gz")
 WHAT = "a NIfTI image"
-# the first word of the header is its length
-CODES = range(6)  # of sform_code and qform_code
-HEADERS = {348: nib.Nifti1Image, 540: nib.Nifti2Image}
 
 
 def read_image(
@@ -114,7 +108,7 @@ def _read(
             f"{path}: expected a NIfTI image, {' or '.join(SUFFIXES)} "
             "(convert DICOM with dcm2niix)"
         )
-    image = _parsed(path, read_unpacked(path))
+    image = parsed_nifti(path, read_unpacked(path))
     place = place_of(path, image, affine, log)
     data = np.asanyarray(image.dataobj)
     while data.ndim > 3 and data.shape[-1] == 1:
@@ -122,48 +116,6 @@ def _read(
     if not np.isfinite(data).all():
         raise InputError(f"{path}: the image has NaN or infinite voxels: replace them")
     return _native(data), place
-
-
-def _parsed(path: Path, content: bytes) -> nib.Nifti1Image:
-    """Return the image, once its declared size fits its content."""
-    sizes = {int.from_bytes(content[:4], order) for order in ("little", "big")}
-    kind = next((HEADERS[size] for size in sizes if size in HEADERS), None)
-    if kind is None:
-        raise InputError(
-            "expected a NIfTI image, but it cannot be read (it has no header of one): "
-            "convert it"
-        )
-    header = kind.header_class.from_fileobj(io.BytesIO(content), check=False)
-    for name in ("sform_code", "qform_code"):
-        if int(header[name]) not in CODES:
-            raise InputError(f"{name} must be 0 to 5 (got {int(header[name])})")
-    if int(header["sform_code"]) == 0 and not (header["pixdim"][1:4] > 0).all():
-        raise InputError(
-            f"voxels must have a size in mm (got {header['pixdim'][1:4]}): export it "
-            "again"
-        )
-    dtype = header.get_data_dtype()
-    if dtype.fields is not None or dtype.kind not in "buif":
-        looks = "a colour" if dtype.fields is not None else f"a {dtype}"
-        raise InputError(
-            f"an image must hold one real number a voxel (this is {looks} image): "
-            "convert it to grey values or labels"
-        )
-    declared = dtype.itemsize
-    for n in header.get_data_shape():  # in Python's integers, which do not overflow
-        declared *= int(n)
-    check_size(path, declared, "the image")
-    offset = float(header["vox_offset"])
-    if not 0 <= offset <= len(content) or declared > len(content) - int(offset):
-        raise InputError(
-            f"its header declares {declared} bytes of voxels from byte {offset:g} on "
-            f"(it has {len(content)}): it is cut off or damaged, so it cannot be read; "
-            "export it again"
-        )
-    with LoggingOutputSuppressor(), warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # nibabel raises what it cannot repair
-        image: nib.Nifti1Image = kind.from_bytes(content)
-    return image
 
 
 def _native(data: NDArray[np.generic]) -> NDArray[np.generic]:
