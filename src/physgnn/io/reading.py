@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
 from physgnn.errors import InputError
 
 OURS = (AssertionError, NameError, ImportError)
@@ -33,7 +35,9 @@ def reading(path: str | Path, what: str) -> Iterator[None]:
         If anything inside raises. Its cause is what was raised.
     """
     try:
-        yield
+        # what is not finite is refused by the types that the numbers end in
+        with np.errstate(all="ignore"):
+            yield
     except InputError as error:
         if str(path) in str(error):
             raise

@@ -1,6 +1,5 @@
 """NIfTI images and label maps, as nibabel places them in the world: RAS+, mm."""
 
-import io
 from pathlib import Path
 
 import nibabel as nib
@@ -12,7 +11,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.io.atomic import whole_file
 from physgnn.io.compressed import read_unpacked
-from physgnn.io.limits import check_size
+from physgnn.io.medical.nifti_header import parsed_nifti
 from physgnn.io.medical.nifti_place import place_of
 from physgnn.io.reading import reading
 from physgnn.progress import Log, no_log
@@ -20,8 +19,6 @@ from physgnn.progress import Log, no_log
 SUFFIXES = (".nii", ".nii.gz")
 DESCRIPTION_BYTES = 80  # NIfTI-1's field descrip
 WHAT = "a NIfTI image"
-# the first word of the header is its length
-HEADERS = {348: nib.Nifti1Image, 540: nib.Nifti2Image}
 
 
 def read_image(
@@ -119,7 +116,7 @@ def _read(
             f"{path}: expected a NIfTI image, {' or '.join(SUFFIXES)} "
             "(convert DICOM with dcm2niix)"
         )
-    image = _parsed(path, read_unpacked(path))
+    image = parsed_nifti(path, read_unpacked(path))
     place = place_of(path, image, affine, log)
     data = np.asanyarray(image.dataobj)
     while data.ndim > 3 and data.shape[-1] == 1:
@@ -127,38 +124,6 @@ def _read(
     if not np.isfinite(data).all():
         raise InputError(f"{path}: the image has NaN or infinite voxels: replace them")
     return _native(data), place
-
-
-def _parsed(path: Path, content: bytes) -> nib.Nifti1Image:
-    """Return the image, once its declared size fits its content."""
-    sizes = {int.from_bytes(content[:4], order) for order in ("little", "big")}
-    kind = next((HEADERS[size] for size in sizes if size in HEADERS), None)
-    if kind is None:
-        raise InputError(
-            "expected a NIfTI image, but it cannot be read (it has no header of one): "
-            "convert it"
-        )
-    header = kind.header_class.from_fileobj(io.BytesIO(content))
-    dtype = header.get_data_dtype()
-    if dtype.fields is not None or dtype.kind not in "buif":
-        looks = "a colour" if dtype.fields is not None else f"a {dtype}"
-        raise InputError(
-            f"an image must hold one real number a voxel (this is {looks} image): "
-            "convert it to grey values or labels"
-        )
-    declared = dtype.itemsize
-    for n in header.get_data_shape():  # in Python's integers, which do not overflow
-        declared *= int(n)
-    check_size(path, declared, "the image")
-    offset = float(header["vox_offset"])
-    if not 0 <= offset <= len(content) or declared > len(content) - int(offset):
-        raise InputError(
-            f"its header declares {declared} bytes of voxels from byte {offset:g} on "
-            f"(it has {len(content)}): it is cut off or damaged, so it cannot be read; "
-            "export it again"
-        )
-    image: nib.Nifti1Image = kind.from_bytes(content)
-    return image
 
 
 def _native(data: NDArray[np.generic]) -> NDArray[np.generic]:
