@@ -64,7 +64,7 @@ def test_curves_of_several_lengths(tmp_path: Path) -> None:
         ("shear_amount", "tension_stretch", "two columns have the same name"),
         ("shear_amount", "tension_stress_pa", "tension has two columns of stress"),
         ("shear_amount", "compression_stretch", "'compression_stress_kpa' is missing"),
-        ("tension_stretch,", "compression_stress,", "'compression_stretch' is missing"),
+        ("shear_amount", "compression_stress", "'compression_stretch' is missing"),
         ("1.10,0.20,0.20,120", "1.10,0.20,0.20", "row 4 has 3 cells, and there are 4"),
         ("0.20,120", "0.20,many", "expected a number in line 3 of the data (got 'many"),
         ("0.20,120", "0.20,", "'shear_stress_pa': expected a number in line 3"),

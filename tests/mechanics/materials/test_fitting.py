@@ -186,3 +186,19 @@ def test_the_default_law_is_far_off(measured) -> None:
     stiff = NeoHookean(3000.0, 0.49)
     errors = [curve.relative_error(stiff) for curve in curves]
     assert np.allclose(errors, expected, atol=0.02)
+
+
+def test_the_page_has_the_error_of_every_tissue(measured) -> None:
+    name, curves = measured
+    page = Path(__file__).parents[3] / "docs" / "results" / "tissue.md"
+    rows = [line.split("|") for line in page.read_text("utf-8").splitlines()]
+    column = {"cortex": 2, "corona_radiata": 3}[name]
+    shown = {
+        row[1].strip(" `"): row[column].strip()
+        for row in rows
+        if len(row) == 5 and row[1].startswith(" `")
+    }
+    assert set(shown) == set(TISSUES)
+    for tissue, errors in shown.items():
+        found = [100 * c.relative_error(TISSUES[tissue].material) for c in curves]
+        assert errors == " / ".join(f"{error:.0f}" for error in found)
