@@ -8,7 +8,8 @@
 | `PrescribedDisplacement` | one prescribed displacement a component |
 
 Source: FEBio User Manual 4, sections 3.11 (Boundary) and 3.12 (Loads). Units are mm, N,
-MPa, s, and so t/mm³ for density. FEBio 4.11 ran models of each kind.
+MPa, s, and so t/mm³ for density. FEBio 4.11 ran models of each kind; that a prescribed
+displacement may be a map, as forces are, is from the manual.
 """
 
 from collections.abc import Mapping, Sequence

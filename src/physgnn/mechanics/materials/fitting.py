@@ -124,8 +124,7 @@ def _family(law: str, terms: int) -> LawFamily:
     family = FAMILIES[law]
     if not 1 <= terms <= family.most_terms:
         raise InputError(
-            f"law '{law}' is fitted with {family.most_terms} terms at most "
-            f"(got {terms})"
+            f"terms of law '{law}' must be in 1…{family.most_terms} (got {terms})"
         )
     return family
 
