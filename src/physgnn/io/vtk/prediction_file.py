@@ -10,9 +10,9 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_file
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.vtu import RAS, SPACE, read_mesh
+from physgnn.io.vtk.writer import write_vtk
 
 DISPLACEMENT = "displacement_mm"
 STATE, DEFORMED = "state", "deformed"
@@ -79,8 +79,7 @@ def write_deformed(path: str | Path, mesh: TetMesh, displacement: FloatArray) ->
     body.field_data[SPACE] = [RAS]
     if isinstance(body, pv.PolyData):
         body = body.clean(point_merging=False)
-    with whole_file(path) as part:
-        body.save(part)
+    write_vtk(path, body)
 
 
 def _surfaces(mesh: TetMesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

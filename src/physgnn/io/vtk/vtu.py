@@ -14,8 +14,8 @@ import pyvista as pv
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_file
 from physgnn.io.vtk.reader import read_vtk
+from physgnn.io.vtk.writer import write_vtk
 
 SET_PREFIX = "point_set:"
 # Without these words 3D Slicer takes the coordinates of a model for LPS.
@@ -126,5 +126,4 @@ def save_grid(path: Path, grid: pv.UnstructuredGrid) -> None:
     """Write a grid; InputError if the name does not end in .vtu."""
     if path.suffix != ".vtu":
         raise InputError(f"{path}: a mesh is written as .vtu (got '{path.suffix}')")
-    with whole_file(path) as part:
-        grid.save(part)
+    write_vtk(path, grid)

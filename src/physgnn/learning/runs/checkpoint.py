@@ -64,7 +64,7 @@ class Checkpoint:
             **self.record,
         }
         arrays = self.model.arrays()
-        with whole_file(files.weights) as part:
+        with whole_file(files.weights, refused=(SafetensorError,)) as part:
             save_file({k: np.asarray(v, order="C") for k, v in arrays.items()}, part)
         with whole_file(files.record) as part:
             part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
