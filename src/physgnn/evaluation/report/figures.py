@@ -37,6 +37,7 @@ from physgnn.evaluation.report.style import (
 )
 from physgnn.imaging import slices_of_shift
 from physgnn.imaging.template import bundled_t1
+from physgnn.io.atomic import whole_file
 from physgnn.prediction.prediction import Predict
 
 DPI = 160
@@ -295,6 +296,7 @@ def _save(
     for theme in THEMES:
         with mpl.rc_context(theme.settings()):
             file = folder / f"{name}_{theme.name}.png"
-            figure().savefig(file, dpi=DPI, transparent=True)
+            with whole_file(file) as part:
+                figure().savefig(part, dpi=DPI, transparent=True)
             files.append(file)
     return Picture(name, caption, tuple(files))

@@ -191,5 +191,6 @@ def _bounds(model: ModelErrors) -> str:
         "calibrated on validation samples, and says whether its load lies outside the "
         f"trained range, where nothing is promised. {len(estimated) - len(inside)} of "
         f"{len(estimated)} test samples lay outside; {remark}. Of those inside, "
-        f"{unsure} were flagged for another reason, such as a bound larger than the displacement."
+        f"{unsure} were flagged for another reason, such as a bound larger than the "
+        "displacement."
     )

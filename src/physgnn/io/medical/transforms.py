@@ -3,6 +3,7 @@
 To add a format, write a function and a row in ``FIELD_FORMATS``.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -15,10 +16,12 @@ from physgnn.imaging.transforms import (
     to_itk_nifti,
     to_ras_nifti,
 )
-from physgnn.io.atomic import whole_file
+from physgnn.io.atomic import reserve, whole_file
 from physgnn.io.medical.nifti import save_nifti
+from physgnn.io.native_output import silent_native_code
 
 TRANSFORM_SUFFIX = ".h5"
+BYTES_PER_VECTOR, HEADER_BYTES = 24, 1 << 14  # at most: float64, compressed
 
 
 def write_field(
@@ -67,8 +70,24 @@ def write_field(
 def _write_transform(path: Path, field: DisplacementField, note: str) -> None:
     del note
     transform = resampling_transform(field)
-    with whole_file(path) as part:
-        sitk.WriteTransform(transform, str(part))
+    save_transform(path, transform, n_vectors=math.prod(field.grid.shape))
+
+
+def save_transform(path: Path, transform: sitk.Transform, *, n_vectors: int) -> None:
+    """Write a displacement field transform, whole or not at all.
+
+    HDF5 prints every failed write, and crashes when the process ends: the disk is asked
+    for the room beforehand.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written whole.
+    """
+    with whole_file(path, refused=(RuntimeError,)) as part:
+        reserve(part, n_vectors * BYTES_PER_VECTOR + HEADER_BYTES)
+        with silent_native_code():
+            sitk.WriteTransform(transform, str(part))
 
 
 def _write_itk_nifti(path: Path, field: DisplacementField, note: str) -> None:

@@ -11,11 +11,11 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces, region_faces
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_file
 from physgnn.io.numbers import real_numbers
 from physgnn.io.reading import reading
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.vtu import RAS, SPACE, add_notes, read_mesh
+from physgnn.io.vtk.writer import write_vtk
 from physgnn.progress import Log, no_log
 
 DISPLACEMENT = "displacement_mm"
@@ -100,8 +100,7 @@ def write_deformed(
     add_notes(body, notes)
     if isinstance(body, pv.PolyData):
         body = body.clean(point_merging=False)
-    with whole_file(path) as part:
-        body.save(part)
+    write_vtk(path, body)
 
 
 def _surfaces(mesh: TetMesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

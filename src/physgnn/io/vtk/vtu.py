@@ -14,11 +14,11 @@ import pyvista as pv
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_file
 from physgnn.io.numbers import whole_numbers
 from physgnn.io.reading import reading
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
+from physgnn.io.vtk.writer import write_vtk
 
 SET_PREFIX = "point_set:"
 TETRA, CORNERS = 10, 4  # VTK's number of linear tetrahedra, and their corners
@@ -141,5 +141,4 @@ def save_grid(path: Path, grid: pv.UnstructuredGrid) -> None:
     """Write a grid; InputError if the name does not end in .vtu."""
     if path.suffix != ".vtu":
         raise InputError(f"{path}: a mesh is written as .vtu (got '{path.suffix}')")
-    with whole_file(path) as part:
-        grid.save(part)
+    write_vtk(path, grid)

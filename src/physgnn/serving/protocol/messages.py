@@ -1,5 +1,6 @@
 """The messages a browser may send, with every field checked."""
 
+import math
 from collections.abc import Collection
 from typing import Annotated, Literal
 
@@ -18,6 +19,7 @@ from physgnn.serving.scene.colours import FIELDS
 from physgnn.serving.scene.section import AXES
 
 MAX_BYTES = 4096
+MAX_MM = 1e5  # no place in a room is farther away
 MAX_FORCE_N = 1000.0
 MAX_RADIUS_MM = 200.0
 
@@ -37,7 +39,7 @@ def _key_of(table: Collection[str]) -> AfterValidator:
 
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
-Vector = tuple[Number, Number, Number]
+Coordinate = Annotated[Number, Field(ge=-MAX_MM, le=MAX_MM)]
 PredictorName = Literal["network", "linear"]
 FieldName = Annotated[str, _key_of(FIELDS)]
 Axis = Annotated[str, _key_of(AXES)]
@@ -70,8 +72,8 @@ class PatchLoad(_Message):
 
     type: Literal["patch_load"] = "patch_load"
     id: Annotated[int, Field(ge=0, lt=2**53)] = 0
-    point: Vector
-    force_n: Vector
+    point: tuple[Coordinate, Coordinate, Coordinate]
+    force_n: tuple[Number, Number, Number]
     radius_mm: Annotated[Number, Field(gt=0, le=MAX_RADIUS_MM)]
     predictors: Annotated[list[PredictorName], Field(min_length=1, max_length=2)]
     field: FieldName = "displacement"
@@ -91,7 +93,7 @@ class SectionPlane(_Message):
 
     type: Literal["section"] = "section"
     axis: Axis | None
-    offset_mm: Number = 0.0
+    offset_mm: Coordinate = 0.0
 
 
 class Release(_Message):
@@ -136,7 +138,7 @@ def read_patch_load(content: str | bytes) -> PatchLoad:
 
 
 def _check_force(patch_load: PatchLoad) -> None:
-    size = sum(component**2 for component in patch_load.force_n) ** 0.5
+    size = math.hypot(*patch_load.force_n)
     if not 0 < size <= MAX_FORCE_N:
         raise InputError(
             f"force_n must be longer than 0 and at most {MAX_FORCE_N:g} N "

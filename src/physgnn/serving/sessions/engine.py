@@ -50,6 +50,7 @@ class Engine:
         self._asked = time.monotonic() - IDLE_SECONDS
         # One thread for torch as well: OpenMP counts them for each thread apart, a
         # network this small gains nothing from more, and the browser needs a core.
+        self._drawing = ThreadPoolExecutor(1, "draw")
         self._thread = ThreadPoolExecutor(
             1, "predict", initializer=torch.set_num_threads, initargs=(1,)
         )
@@ -58,6 +59,10 @@ class Engine:
         """Run a job in the predictors' thread."""
         self._asked = time.monotonic()
         return await self._in_thread(job)
+
+    async def draw(self, job: Callable[[], T]) -> T:
+        """Run a job that needs no predictor, such as a section, in a thread for all."""
+        return await asyncio.get_running_loop().run_in_executor(self._drawing, job)
 
     async def _in_thread(self, job: Callable[[], T]) -> T:
         return await asyncio.get_running_loop().run_in_executor(self._thread, job)
@@ -93,4 +98,5 @@ class Engine:
     def close(self) -> None:
         """Stop the thread and the solver."""
         self._refiner.close()
-        self._thread.shutdown(wait=False, cancel_futures=True)
+        for thread in (self._thread, self._drawing):
+            thread.shutdown(wait=False, cancel_futures=True)

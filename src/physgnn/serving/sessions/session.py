@@ -99,8 +99,12 @@ class Session:
             return
         axis, offset = plane.axis, plane.offset_mm
         mesh = self._engine.viewed.body.mesh
-        made = await asyncio.to_thread(cut, mesh, axis, offset)
-        frame = await asyncio.to_thread(section_frame, self._engine, axis, offset, made)
+
+        def draw() -> tuple[Section, bytes]:
+            made = cut(mesh, axis, offset)
+            return made, section_frame(self._engine, axis, offset, made)
+
+        made, frame = await self._engine.draw(draw)
         self._cut = made
         await self._send_bytes(frame)
 
