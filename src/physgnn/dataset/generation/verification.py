@@ -10,21 +10,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import zarr
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.generation.work import Work, each
-from physgnn.dataset.storage import layout
 from physgnn.dataset.storage.store import Store
+from physgnn.dataset.storage.verification_rows import make_rows, read_rows, write_row
 from physgnn.mechanics.equilibrium.full_newton import Newton
 from physgnn.mechanics.equilibrium.solution import Status
 from physgnn.progress import Progress
 
 EVERY = 5  # paths
 SEED = 0
-GROUP = "verification"
-# A path counts as checked once its distance is there: it is written last.
-ROWS = (("level", "int32", -1), ("distance_mm", "float64", np.nan))
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,11 +81,9 @@ def verify(
     Verification
         Of all levels checked so far.
     """
-    group = layout.open_group(store.path)
-    if f"{GROUP}/{ROWS[-1][0]}" not in group:
-        for name, dtype, fill in ROWS:
-            layout.put_rows(group, f"{GROUP}/{name}", (store.n_paths,), dtype, fill)
-    unchecked = np.isnan(layout.read(group, f"{GROUP}/distance_mm"))
+    make_rows(store.reader)
+    checked = read_rows(store.reader)[0][:, 0]
+    unchecked = ~np.isin(np.arange(store.n_paths), checked)
     converged = (store.status == Status.CONVERGED).any(axis=1)
     drawn = np.arange(store.n_paths) % EVERY == 0
     paths = np.flatnonzero(drawn & unchecked & converged).tolist()
@@ -103,14 +97,8 @@ def verify(
 
 def verification_of(store: Store) -> Verification:
     """Return what is known of a store; nothing is computed."""
-    group = layout.open_group(store.path)
-    samples, distance = np.empty((0, 2), dtype=np.int64), np.empty(0)
-    if f"{GROUP}/{ROWS[-1][0]}" in group:
-        distance = layout.read(group, f"{GROUP}/distance_mm")
-        paths = np.flatnonzero(~np.isnan(distance))
-        levels = layout.read(group, f"{GROUP}/level")[paths]
-        samples, distance = np.stack([paths, levels], axis=1), distance[paths]
-    return Verification(samples, distance, len(store.samples()))
+    samples, distance_mm = read_rows(store.reader)
+    return Verification(samples, distance_mm, len(store.samples()))
 
 
 def draw_level(store: Store, i: int) -> int:
@@ -128,9 +116,7 @@ def _check_and_write(store: Store, newton: Newton, i: int) -> tuple[str, str]:
     displacement = store.displacement(i)[level].astype(np.float64)
     factor = float(store.load_factors[level])
     distance = newton.distance(store.load_path(i), displacement, factor)
-    group: zarr.Group = layout.open_group(store.path)
-    group[f"{GROUP}/level"][i] = level  # type: ignore[index]
-    group[f"{GROUP}/distance_mm"][i] = distance  # type: ignore[index]
+    write_row(store.reader, i, level, distance)
     return f"{distance:.1g} mm off", ""
 
 

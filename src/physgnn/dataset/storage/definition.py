@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.storage import layout
+from physgnn.dataset.storage.attributes import FORMAT, VERSION, with_root
 from physgnn.dataset.storage.load_records import distinct, to_record
 from physgnn.dataset.storage.result_rows import result_arrays
 from physgnn.errors import InputError
@@ -80,29 +81,28 @@ class Definition:
         """Write a new store at `folder`, every path pending."""
         group = zarr.open_group(folder, mode="w-")
         loads, of_path = distinct(self.paths)
-        kept = [to_record(load) for load in loads.values()]
+        records = [to_record(load) for load in loads.values()]
+        arrays = self._arrays()
+        for k, (_, of_load) in enumerate(records):
+            arrays |= {f"loads/more/{k}/{name}": v for name, v in of_load.items()}
+        if loads:
+            arrays["loads/more_of_path"] = of_path
         attributes: dict[str, Any] = {
-            "format": layout.FORMAT,
-            "version": layout.VERSION,
+            "format": FORMAT,
+            "version": VERSION,
             "n_paths": len(self.paths),
             "n_points": self.mesh.n_points,
             "mesh_hash": self.mesh.content_hash,
             "point_sets": sorted(self.mesh.point_sets),
             "element": self.element,
             "materials": _records(self.materials),
-            "more_loads": [record for record, _ in kept],
+            "more_loads": [record for record, _ in records],
             "definition_hash": self.digest,
             "provenance": dict(provenance),
+            "arrays": {name: digest_of(value) for name, value in arrays.items()},
         }
-        group.attrs.update(attributes)
-        more = {
-            f"loads/more/{k}/{name}": value
-            for k, (_, arrays) in enumerate(kept)
-            for name, value in arrays.items()
-        }
-        if loads:
-            more["loads/more_of_path"] = of_path
-        for name, value in {**self._arrays(), **more}.items():
+        group.attrs.update(with_root(attributes))
+        for name, value in arrays.items():
             layout.put_array(group, name, value)
         rows = result_arrays(self.paths[0].n_levels, self.mesh.n_points)
         for name, (shape, dtype, fill) in rows.items():

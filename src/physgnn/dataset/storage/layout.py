@@ -1,8 +1,11 @@
 """How a dataset lies on disk: the arrays of the Zarr store, and reading them safely.
 
 docs/reference/data_format.md describes the same for readers in other languages.
+Whatever reading a store can raise becomes `InputError` here.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +15,6 @@ from zarr.codecs import BloscCodec, Crc32cCodec
 
 from physgnn.errors import InputError
 
-FORMAT = "physgnn-dataset"
-VERSION = 1
-
 # Measured on FEBio's 30-level answers (3.40 MB a path raw): 2.72 MB, 3.5 ms to read,
 # 32 ms to write; bit shuffle, lz4 and lower levels are all larger and none reads faster
 # by more than a millisecond. The checksum comes last, so it covers what is on disk.
@@ -22,6 +22,9 @@ CODECS = (
     BloscCodec(cname="zstd", clevel=5, shuffle="shuffle", typesize=4),
     Crc32cCodec(),
 )
+# An array may take this much memory whatever is on disk, bytes, and beyond it this many
+# times what is: a shape that someone edited is not to use up the memory.
+ALWAYS_ALLOWED, MOST_TIMES_DISK = 2**26, 1000
 
 
 def put_array(group: zarr.Group, name: str, value: np.ndarray[Any, Any]) -> None:
@@ -44,33 +47,79 @@ def put_rows(
     )
 
 
-def read(group: zarr.Group, name: str, row: int | None = None) -> np.ndarray[Any, Any]:
-    """Read an array or one row of it.
+def has(group: zarr.Group, name: str) -> bool:
+    """Return whether there is such an array."""
+    with _reading(group, name):
+        return name in group
+
+
+def read(group: zarr.Group, name: str) -> np.ndarray[Any, Any]:
+    """Read an array that lies in one chunk.
 
     Raises
     ------
     InputError
-        If the data is missing or its checksum is wrong; names the chunk and the remedy.
+        If the data is missing, its checksum is wrong, or it claims a size that what
+        is on disk cannot have; names the array and the remedy.
     """
-    try:
-        array = group[name]
-        assert isinstance(array, zarr.Array)
+    with _reading(group, name):
+        array = _array(group, name)
+        if array.nbytes > ALWAYS_ALLOWED:
+            folder = store_path(group) / name
+            there = sum(f.stat().st_size for f in folder.rglob("*") if f.is_file())
+            if array.nbytes > MOST_TIMES_DISK * there:
+                raise ValueError(f"{array.nbytes} bytes of {there} on disk")
+        return np.asarray(array[...])
+
+
+def read_rows(
+    group: zarr.Group,
+    name: str,
+    row: int | None = None,
+    *,
+    shape: tuple[int, ...],
+    dtype: str,
+) -> np.ndarray[Any, Any]:
+    """Read an array that has a chunk a row, or one row of it.
+
+    Parameters
+    ----------
+    group : zarr.Group
+        The store.
+    name : str
+        The array.
+    row : int, optional
+        By default all are read.
+    shape, dtype
+        Of the whole array.
+
+    Raises
+    ------
+    InputError
+        If the array is of another shape or type, a chunk's checksum is wrong, or
+        there is no such row; names the chunk and the remedy.
+    """
+    with _reading(group, name, row):
+        array = _array(group, name)
+        if array.shape != shape or array.dtype != np.dtype(dtype):
+            raise ValueError(
+                f"{array.dtype} of shape {array.shape}, expected {dtype} of {shape}"
+            )
         return np.asarray(array[...] if row is None else array[row])
-    except (ValueError, KeyError, OSError, RuntimeError) as error:
-        raise InputError(damaged(group, name, row, str(error))) from error
 
 
-def read_all(group: zarr.Group, name: str) -> dict[str, np.ndarray[Any, Any]]:
-    """Read all arrays of a group by name; a group that is not there has none."""
-    names = group[name].array_keys() if name in group else ()  # type: ignore[union-attr]
-    return {key: read(group, f"{name}/{key}") for key in names}
+def names_in(group: zarr.Group, folder: str) -> list[str]:
+    """Return the names of the arrays of a group; one that is not there has none."""
+    with _reading(group, folder):
+        inner = group.get(folder)
+        return sorted(inner.array_keys()) if isinstance(inner, zarr.Group) else []
 
 
 def damaged(group: zarr.Group, name: str, row: int | None, reason: str) -> str:
     """Return the one line that says which chunk is damaged and what to do."""
     path = store_path(group)
     where = f"array '{name}'" + ("" if row is None else f" of load path {row}")
-    reason = reason.split(".")[0]
+    reason = " ".join(reason.split(". ")[0].split()).rstrip(".")
     if not name.startswith("result/"):
         return (
             f"store {path}: {where} is damaged ({reason}); bring the store back from a "
@@ -84,36 +133,43 @@ def damaged(group: zarr.Group, name: str, row: int | None, reason: str) -> str:
 
 
 def open_group(path: Path) -> zarr.Group:
-    """Open the root group of a store.
+    """Open the root group of a store; see `attributes` for what must be in it.
 
     Raises
     ------
     InputError
-        If there is no store, it is something else, or its version is another.
+        If there is no folder, or it is no Zarr group.
     """
     if not path.is_dir():
         raise InputError(f"{path} is not a dataset store: no such folder")
     try:
-        group = zarr.open_group(path, mode="r+")
-    except (ValueError, KeyError, OSError) as error:
+        return zarr.open_group(path, mode="r+")
+    except Exception as error:  # whatever Zarr makes of a file that someone edited
         raise InputError(
             f"{path} is not a dataset store: it has no readable zarr.json; "
             "make one with 'physgnn simulate'"
         ) from error
-    if group.attrs.get("format") != FORMAT:
-        raise InputError(
-            f"{path} is a Zarr group but not a dataset store (format "
-            f"{group.attrs.get('format')!r}, expected {FORMAT!r})"
-        )
-    if group.attrs.get("version") != VERSION:
-        raise InputError(
-            f"store {path} has format version {group.attrs.get('version')}, this "
-            f"program reads version {VERSION}: simulate again, or use the program of "
-            "that version"
-        )
-    return group
 
 
 def store_path(group: zarr.Group) -> Path:
     """Return the folder of a store's root group."""
     return Path(str(group.store).removeprefix("file://"))
+
+
+def _array(group: zarr.Group, name: str) -> zarr.Array[Any]:
+    array = group[name]
+    if not isinstance(array, zarr.Array):
+        raise TypeError("a group, not an array")
+    return array
+
+
+@contextmanager
+def _reading(group: zarr.Group, name: str, row: int | None = None) -> Iterator[None]:
+    """Turn whatever reading of the store raises into one line of `InputError`."""
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:  # files that someone edited make Zarr raise anything
+        reason = str(error) or type(error).__name__
+        raise InputError(damaged(group, name, row, reason)) from error

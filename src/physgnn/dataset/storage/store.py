@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.storage import layout
+from physgnn.dataset.storage.attributes import note_without_digests
 from physgnn.dataset.storage.definition import Definition
 from physgnn.dataset.storage.load_records import kind_of
-from physgnn.dataset.storage.result_rows import encoded
+from physgnn.dataset.storage.reader import StoreReader
+from physgnn.dataset.storage.results import StoredResults
 from physgnn.dataset.storage.stored_paths import StoredPaths
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
@@ -51,22 +52,24 @@ class Store:
         self, path: str | os.PathLike[str], *, cache_bytes: int = 512 * 2**20
     ) -> None:
         self.path = Path(path)
-        self._group = layout.open_group(self.path)
-        self._attributes: dict[str, Any] = dict(self._group.attrs)
-        self.load_factors: FloatArray = self._read("load_factors")
+        self.reader = StoreReader.open(self.path)
+        self._attributes = self.reader.attributes
+        self.load_factors: FloatArray = self.reader.part("load_factors")
         self.load_factors.flags.writeable = False
         self.n_levels = len(self.load_factors)
-        self.n_paths = int(self._attributes["n_paths"])
-        path_bytes = 12 * self.n_levels * int(self._attributes["n_points"])
-        # All entries have the same size, so a bound on their number bounds the bytes.
-        self._cached = lru_cache(maxsize=max(cache_bytes // path_bytes, 1))(
-            self._read_displacement
-        )
+        self.n_paths = self._attributes.n_paths
+        self._results = StoredResults(self.reader, self.n_levels, cache_bytes)
 
     @classmethod
     def open(cls, path: str | os.PathLike[str], **options: int) -> Self:
-        """Open an existing store; options as the class takes them."""
-        return cls(path, **options)
+        """Open an existing store; options as the class takes them.
+
+        One made before stores had digests is opened with a note in the log.
+        """
+        store = cls(path, **options)
+        if not store._attributes.has_digests:
+            note_without_digests(store.path.resolve())
+        return store
 
     @classmethod
     def create(
@@ -134,7 +137,7 @@ class Store:
         """
         if not Path(path).exists():
             return cls.create(path, mesh, paths, provenance=provenance, **body)
-        store = cls(path)
+        store = cls.open(path)
         if store.definition_hash != Definition(mesh, paths, **body).digest:
             raise InputError(
                 f"store {path} was made for another mesh, load, material or element: "
@@ -145,41 +148,35 @@ class Store:
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.path,)
 
-    def _read(self, name: str, row: int | None = None) -> np.ndarray[Any, Any]:
-        return layout.read(self._group, name, row)
-
     @cached_property
     def mesh(self) -> TetMesh:
         """The mesh, with its point sets."""
-        mesh = TetMesh(
-            points=self._read("mesh/points"),
-            cells=self._read("mesh/cells"),
-            region=self._read("mesh/region"),
-            point_sets={
-                name: self._read(f"mesh/point_sets/{name}")
-                for name in self._attributes["point_sets"]
-            },
-        )
-        if mesh.content_hash != self._attributes["mesh_hash"]:
-            reason = "not the mesh the store was made with"
-            raise InputError(layout.damaged(self._group, "mesh", None, reason))
+        part = self.reader.part
+        sets = self._attributes.point_sets
+        arrays = {name: part(f"mesh/{name}") for name in ("points", "cells", "region")}
+        point_sets = {name: part(f"mesh/point_sets/{name}") for name in sets}
+        with self.reader.making("mesh"):
+            mesh = TetMesh(**arrays, point_sets=point_sets)
+            if mesh.content_hash != self._attributes.mesh_hash:
+                raise InputError("not the mesh the store was made with")
         return mesh
 
     @cached_property
     def fixed(self) -> IntArray:
         """Points held at zero displacement."""
-        return self._read("fixed")
+        return self.reader.part("fixed")
 
     @cached_property
     def materials(self) -> dict[int, Material]:
         """Material of every region."""
-        records = self._attributes["materials"]
-        return {int(region): material_from_config(r) for region, r in records.items()}
+        records = self._attributes.materials
+        with self.reader.making("materials"):
+            return {int(k): material_from_config(r) for k, r in records.items()}
 
     @property
     def element(self) -> str:
         """The finite element, as in `physgnn.mechanics.SolverOptions`."""
-        return str(self._attributes.get("element", DEFAULT_ELEMENT))
+        return self._attributes.element
 
     @cached_property
     def body(self) -> Body:
@@ -195,15 +192,16 @@ class Store:
     @property
     def provenance(self) -> dict[str, Any]:
         """How the dataset came about, as given to `create`."""
-        return dict(self._attributes["provenance"])
+        return dict(self._attributes.provenance)
 
     @cached_property
     def _load_paths(self) -> StoredPaths:
-        return StoredPaths.read(self._group, self.load_factors)
+        return StoredPaths.read(self.reader, self.load_factors)
 
     def load_path(self, i: int) -> LoadPath:
         """Return load path ``i`` with all its loads."""
-        return self._load_paths[i]
+        with self.reader.making(f"loads/nodes, row {i}"):
+            return self._load_paths[i]
 
     def load_case(self, i: int, level: int) -> LoadCase:
         """Return the load case of path ``i`` at a 0-based level.
@@ -231,54 +229,40 @@ class Store:
         InputError
             If the path is pending or its chunk is damaged.
         """
-        return self._cached(i)
-
-    def _read_displacement(self, i: int) -> NDArray[np.float32]:
-        if self.is_pending(i):
-            raise InputError(
-                f"store {self.path}: load path {i} has no result yet; run "
-                "'physgnn simulate' again to resume"
-            )
-        values: NDArray[np.float32] = self._read("result/displacement", i)
-        if np.isnan(values).any():  # what Zarr gives for a chunk that is not there
-            name = "result/displacement"
-            raise InputError(layout.damaged(self._group, name, i, "chunk missing"))
-        values.flags.writeable = False
-        return values
+        return self._results.displacement(i)
 
     @property
     def status(self) -> NDArray[np.int8]:
         """`Status` of every level, (n_paths, n_levels), read afresh every time."""
-        return self._read("result/status")
+        return self._results.row("status")
 
     @property
     def residual(self) -> NDArray[np.float32]:
         """Relative residual of every level, (n_paths, n_levels); NaN if pending."""
-        return self._read("result/residual")
+        return self._results.row("residual")
 
     @property
     def seconds(self) -> FloatArray:
         """Time each path took to solve, (n_paths,), s; NaN if pending."""
-        return self._read("result/seconds")
+        return self._results.row("seconds")
 
     @property
     def reached(self) -> FloatArray:
         """Highest load factor in equilibrium, (n_paths,); NaN if pending."""
-        return self._read("result/reached")
+        return self._results.row("reached")
 
     def message(self, i: int) -> str:
         """Return what there is to say of path ``i``, as `Solution.message`."""
-        return bytes(self._read("result/message", i)).rstrip(b"\0").decode()
+        return bytes(self._results.row("message", i)).rstrip(b"\0").decode()
 
     def messages(self) -> dict[int, str]:
         """Return what there is to say of any path, by path."""
-        said = self._read("result/message").any(axis=1)
+        said = self._results.row("message").any(axis=1)
         return {i: self.message(i) for i in np.flatnonzero(said).tolist()}
 
     def write(self, i: int, solution: Solution) -> None:
         """Store the solution of path ``i``; its status goes last."""
-        for name, row in encoded(solution).items():
-            self._group[f"result/{name}"][i] = row  # type: ignore[index]
+        self._results.write(i, solution)
 
     def pending(self) -> IntArray:
         """Return the paths without a result."""
@@ -286,7 +270,7 @@ class Store:
 
     def is_pending(self, i: int) -> bool:
         """Return whether path ``i`` has no result."""
-        return bool((self._read("result/status", i) == Status.NOT_SOLVED).all())
+        return self._results.is_pending(i)
 
     def samples(self) -> IntArray:
         """Return (path, level) of every converged sample, path by path, (n, 2)."""
@@ -295,8 +279,8 @@ class Store:
     @property
     def definition_hash(self) -> str:
         """SHA-256 of mesh, materials, fixed points and load paths: what is asked."""
-        return str(self._attributes["definition_hash"])
+        return self._attributes.definition_hash
 
     def content_hash(self) -> str:
         """SHA-256 of what is asked and of all answers so far; times do not count."""
-        return digest_of(self.definition_hash, self._read("result/digest"))
+        return digest_of(self.definition_hash, self._results.row("digest"))

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-import zarr
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.storage import layout
 from physgnn.dataset.storage.load_records import from_record
+from physgnn.dataset.storage.reader import StoreReader
 from physgnn.mechanics.loads.paths import Load, LoadPath
 
 
@@ -38,19 +37,18 @@ class StoredPaths:
     load_factors: FloatArray
 
     @classmethod
-    def read(cls, group: zarr.Group, load_factors: FloatArray) -> Self:
-        """Read the tables of a store."""
-        nodes = layout.read(group, "loads/nodes")
-        forces = layout.read(group, "loads/forces")
-        records: list[dict[str, object]] = group.attrs.get("more_loads", [])  # type: ignore[assignment]
-        if not records:
-            none = np.empty((len(nodes), 0), dtype=np.int32)
-            return cls(nodes, forces, [], none, load_factors)
-        more = [
-            from_record(record, layout.read_all(group, f"loads/more/{k}"))
-            for k, record in enumerate(records)
-        ]
-        of_path = layout.read(group, "loads/more_of_path")
+    def read(cls, reader: StoreReader, load_factors: FloatArray) -> Self:
+        """Read the tables of a store; InputError if they are damaged."""
+        nodes, forces = reader.part("loads/nodes"), reader.part("loads/forces")
+        records = reader.attributes.more_loads
+        of_path = np.empty((len(nodes), 0), dtype=np.int32)
+        if records:
+            of_path = reader.part("loads/more_of_path")
+        with reader.making("loads/more"):
+            more = [
+                from_record(record, reader.parts(f"loads/more/{k}"))
+                for k, record in enumerate(records)
+            ]
         return cls(nodes, forces, more, of_path, load_factors)
 
     def __getitem__(self, i: int) -> LoadPath:

@@ -1,0 +1,89 @@
+"""The results of a store's load paths: written a path at a time, checked when read."""
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.dataset.storage import layout
+from physgnn.dataset.storage.reader import StoreReader
+from physgnn.dataset.storage.result_rows import (
+    COVERED,
+    encoded,
+    path_identity,
+    result_arrays,
+    row_digest,
+)
+from physgnn.errors import InputError
+from physgnn.mechanics.equilibrium.solution import Solution, Status
+
+
+class StoredResults:
+    """The rows of every array under ``result``.
+
+    Parameters
+    ----------
+    reader : StoreReader
+        The store.
+    n_levels : int
+        Levels of every path.
+    cache_bytes : int
+        How much of the displacement to keep in memory, bytes.
+    """
+
+    def __init__(self, reader: StoreReader, n_levels: int, cache_bytes: int) -> None:
+        self._reader = reader
+        self._arrays = result_arrays(n_levels, reader.attributes.n_points)
+        self._checked: set[int] = set()
+        path_bytes = max(12 * n_levels * reader.attributes.n_points, 1)
+        # All entries have the same size, so a bound on their number bounds the bytes.
+        self.displacement = lru_cache(maxsize=max(cache_bytes // path_bytes, 1))(
+            self._read_displacement
+        )
+
+    def row(self, name: str, i: int | None = None) -> np.ndarray[Any, Any]:
+        """Read an array's row of path `i`, or of all paths."""
+        shape, dtype, _ = self._arrays[name]
+        return self._reader.rows(f"result/{name}", i, shape=shape, dtype=dtype)
+
+    def write(self, i: int, solution: Solution) -> None:
+        """Store the solution of path `i`; its status goes last."""
+        self._checked.discard(i)
+        for name, row in encoded(solution, self._identity(i)).items():
+            self._reader.group[f"result/{name}"][i] = row  # type: ignore[index]
+
+    def is_pending(self, i: int) -> bool:
+        """Return whether path `i` has no result."""
+        return bool((self.row("status", i) == Status.NOT_SOLVED).all())
+
+    def _read_displacement(self, i: int) -> NDArray[np.float32]:
+        if self.is_pending(i):
+            raise InputError(
+                f"store {self._reader.path}: load path {i} has no result yet; run "
+                "'physgnn simulate' again to resume"
+            )
+        values: NDArray[np.float32] = self.row("displacement", i)
+        if np.isnan(values).any():  # what Zarr gives for a chunk that is not there
+            raise self._damaged(i, "chunk missing")
+        if i not in self._checked:
+            self._check(i, values)
+        values.flags.writeable = False
+        return values
+
+    def _check(self, i: int, displacement: NDArray[np.float32]) -> None:
+        """Raise InputError unless path `i`'s results are as they were written."""
+        row = {name: self.row(name, i) for name in COVERED if name != "displacement"}
+        digest = row_digest({**row, "displacement": displacement}, self._identity(i))
+        if not np.array_equal(digest, self.row("digest", i)):
+            raise self._damaged(i, "not as it was written: changed or exchanged")
+        self._checked.add(i)
+
+    def _damaged(self, i: int, reason: str) -> InputError:
+        name = "result/displacement"
+        return InputError(layout.damaged(self._reader.group, name, i, reason))
+
+    def _identity(self, i: int) -> str | None:
+        """Return what path `i`'s digest begins with."""
+        said = self._reader.attributes
+        return path_identity(said.definition_hash, i) if said.has_digests else None
