@@ -78,8 +78,9 @@ def fitted_samples(
 ) -> tuple[list[Samples], list[Samples]]:
     """Fit each model's statistics; return training and validation samples by member.
 
-    Of several, the samples are encoded here, member by member, so that what encoding
-    keeps in memory is that of one body at a time.
+    The samples are encoded here, in the same order whether a training is resumed or
+    not. Of several bodies this is done one body after the other, so that what encoding
+    caches in memory is that of one body at a time.
     """
     training, validation = [], []
     for (store, split), model, cache in zip(members, models, caches, strict=True):
@@ -87,10 +88,9 @@ def fitted_samples(
         model.fit(store, used, seed)
         training.append(Samples(store, split.train, model, cache))
         validation.append(Samples(store, split.validation, model, cache))
+        for samples in (training[-1], validation[-1]):
+            samples.make_all()
         if len(members) > 1:
-            for samples in (training[-1], validation[-1]):
-                for i in range(len(samples)):
-                    samples[i]
             model.release()
     return training, validation
 
