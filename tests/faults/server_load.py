@@ -122,7 +122,8 @@ def report(seen: Seen, minutes: float) -> int:
     print(
         f"{len(seen.seconds)} predictions, p50 {p50:.0f} ms, p95 {p95:.0f} ms, "
         f"p99 {p99:.0f} ms; {seen.errors} errors answered; memory "
-        f"{seen.resident[0][1]:.0f} MB at first, {before:.0f} and {after:.0f} MB in the halves after warming up, "
+        f"{seen.resident[0][1]:.0f} MB at first, {before:.0f} and {after:.0f} MB in "
+        "the halves after warming up, "
         f"{max(late, default=0):.0f} MB at most; clients dropped: "
         f"{seen.dropped or 'none'}"
     )
