@@ -171,6 +171,7 @@ def _moved_as_a_whole(evidence: Evidence) -> Iterator[str]:
     fit = evidence.fit
     if (
         fit is not None
+        and fit.chance >= LEAST_CHANCE  # else it is compared with a fit that is none
         and fit.translation_mm > LARGEST_TRANSLATION_MM
         and fit.translation_misfit < AS_WELL
     ):
@@ -240,9 +241,9 @@ Rule = Callable[[Evidence], Iterator[str]]
 RULES: tuple[tuple[PredictionStatus, Rule], ...] = (
     (PredictionStatus.TOO_FEW_POINTS, _too_few),
     (PredictionStatus.MEASUREMENT_TOO_FAR, _too_far),
-    (PredictionStatus.MOVED_AS_A_WHOLE, _moved_as_a_whole),
     (PredictionStatus.TOLERANCE_NOT_MET, _not_converged),
     (PredictionStatus.MISFIT_ABOVE_NOISE, _misfit),
+    (PredictionStatus.MOVED_AS_A_WHOLE, _moved_as_a_whole),
     (PredictionStatus.IMPLAUSIBLE_DISPLACEMENT, _implausible),
     (PredictionStatus.OUTSIDE_TRAINED_RANGE, _outside),
     (PredictionStatus.NO_ERROR_ESTIMATE, _no_estimate),
