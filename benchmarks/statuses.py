@@ -9,11 +9,11 @@ degrees of the inward normal. The truth is the finite-element solution, led from
 A prediction is *wrong* if its largest error is above its bound, or above the larger of
 0.5 mm and 10 % of the largest displacement. Counted are the predictions that are wrong
 and called usable, and those that are right and flagged. Truths are
-stored in a folder and not solved again. Prints Markdown.
+stored in a folder and not solved again; what the log has is not predicted again. Prints
+Markdown.
 """
 
 import argparse
-import json
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 import torch
 
-from held_out import lengths
+from held_out import Log, lengths
 from physgnn.arrays import FloatArray
 from physgnn.bundled import BUNDLED_RUN
 from physgnn.mechanics import LoadCase
@@ -74,7 +74,6 @@ def measure(
     """Return what one prediction says and how wrong it is."""
     found = predictor(case, estimate=what)
     return {
-        "what": what,
         "nodes": len(case.nodes),
         "force_n": float(np.linalg.norm(case.forces.sum(axis=0))),
         "displacement": lengths(found.displacement)[1],
@@ -120,13 +119,14 @@ def row(what: str, records: list[dict[str, Any]]) -> tuple[str, ...]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--truths", type=Path, default=Path("statuses"))
+    parser.add_argument("--log", type=Path, default=Path("statuses.jsonl"))
     parser.add_argument("--loads", type=int, default=200)
     parser.add_argument("--seed", type=int, default=2027)
     options = parser.parse_args()
     print(machine())
     torch.set_num_threads(1)
     options.truths.mkdir(parents=True, exist_ok=True)
-    predictor, records, lost = Predictor.load(BUNDLED_RUN), [], 0
+    predictor, log, lost = Predictor.load(BUNDLED_RUN), Log(options.log), 0
     solve = FiniteElementPredictor(predictor.body)
     for number, case in enumerate(draw(predictor, options.loads, options.seed)):
         file = options.truths / f"{options.seed}-{number}.npy"
@@ -134,8 +134,10 @@ def main() -> None:
         if truth is None:
             lost += 1
             continue
-        records += [measure(predictor, case, truth, what) for what in ESTIMATES]
-    (options.truths / "records.json").write_text(json.dumps(records, indent=1))
+        for what in ESTIMATES:
+            if list(log.missing([(number, 0)], what)):
+                said = measure(predictor, case, truth, what)
+                log.add(path=number, level=1, what=what, **said)
     head = (
         "estimate",
         "loads",
@@ -145,8 +147,7 @@ def main() -> None:
         "error above its bound",
         "ended",
     )
-    groups = ([r for r in records if r["what"] == what] for what in ESTIMATES)
-    table(head, map(row, ESTIMATES, groups))
+    table(head, map(row, ESTIMATES, map(log.of, ESTIMATES)))
     print(f"\nloads that finite elements do not reach: {lost}")
 
 

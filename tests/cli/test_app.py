@@ -86,17 +86,15 @@ def test_from_mesh_to_prediction(call: Call, folder: Path) -> None:
 
     case = Store.open(store).load_case(0, 1)
     write_load_case(folder / "load.json", case)
-    code, out, err = call(
-        "predict",
-        run,
-        "--load",
-        folder / "load.json",
-        "-o",
-        folder / "out.vtu",
-        "--linear",
-    )
-    assert (code, "largest displacement" in out) == (0, True), err
+    predict = ("predict", run, "--load", folder / "load.json")
+    code, out, err = call(*predict, "-o", folder / "out.vtu", "--linear")
+    # two epochs make no network: whether it is called ok is for the evidence to say
+    assert (code, " ok: " in out) in ((0, True), (3, False)), err
+    assert "largest displacement" in out
     assert (folder / "out.vtu").is_file()
+    repaired = ("--tolerance-mm", 0.1, "-o", folder / "repaired.vtu")
+    code, out, err = call(*predict, *repaired)
+    assert (code, "repaired: " in out or "solved: " in out) == (0, True), err
 
 
 def test_a_folder_that_is_missing_is_missed_before_the_work(

@@ -1,9 +1,12 @@
 """The commands for images, as a user types them."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import nibabel as nib
 import numpy as np
 import pytest
+import pyvista as pv
 
 from meshes import block_mesh
 from physgnn.cli import main
@@ -13,13 +16,15 @@ from physgnn.io import read_mesh, write_mesh
 from physgnn.io.medical.nifti import read_image, write_image
 
 
-def run(*words: object) -> None:
+def run(*words: object, code: int = 0) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sys.argv", ["physgnn", *map(str, words)])
         try:
             main()
         except SystemExit as end:
-            assert end.code == 0, end.code
+            assert end.code == code, end.code
+        else:
+            assert code == 0
 
 
 @pytest.mark.skipif(not tetgen_process.available(), reason="needs the tetgen extra")
@@ -127,3 +132,46 @@ def test_a_mistake_is_one_line(
         )
     said = capsys.readouterr().err
     assert "no such file" in said and "Traceback" not in said
+
+
+def test_what_is_not_ok_says_so_in_the_exit_code_the_file_and_the_next_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Three points do not tell how a body moved; the displacement is written still."""
+    body = block_mesh(4, side=80.0)
+    case, csv, out = (tmp_path / name for name in ("case.vtu", "m.csv", "out.vtu"))
+    write_mesh(case, body)
+    top = body.points[body.point_set("loaded")][[0, 5, 20]]
+    np.savetxt(csv, np.hstack([top, top - [0, 0, 4]]), delimiter=",")
+    register = ("register", case, "--points", csv, "--noise-mm", 0.5)
+    run(*register, "-o", out, code=3)
+    said = capsys.readouterr()
+    assert "too few points: the measured points are too few" in said.out
+    assert "3 places were measured (at least 6)" in said.err
+    fields = pv.read(out).field_data
+    assert list(fields["status"]) == ["too few points"]
+    assert "3 places were measured (at least 6)" in list(fields["reasons"])
+    run(*register, "-o", tmp_path / "field.nii", code=3)
+    header = nib.load(tmp_path / "field.nii").header
+    assert b"too few points" in header["descrip"].item()
+    image = Image(np.ones((8, 8, 8)), np.diag([10.0, 10.0, 10.0, 1.0]))
+    write_image(tmp_path / "t1.nii", image)
+    run("warp", tmp_path / "t1.nii", out, "-o", tmp_path / "moved.nii")
+    said = capsys.readouterr()
+    assert "holds a displacement that is not ok: too few points: 3 places" in said.err
+    assert (tmp_path / "moved.nii").is_file()
+
+
+@pytest.mark.parametrize("scale", [1e-3, 0.1])
+def test_a_surface_in_other_units_is_not_ok(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], scale: float
+) -> None:
+    """All of it lies together, and near a body that holds the origin."""
+    block = block_mesh(4, side=60.0)
+    body = replace(block, points=block.points - 30.0)
+    write_mesh(tmp_path / "case.vtu", body)
+    top = body.points[body.point_set("loaded")] - [0, 0, 2]
+    np.savetxt(tmp_path / "s.csv", scale * top, delimiter=",")
+    words = ("--surface", tmp_path / "s.csv", "-o", tmp_path / "out.vtu")
+    run("register", tmp_path / "case.vtu", *words, code=3)
+    assert " ok: " not in capsys.readouterr().out

@@ -140,6 +140,44 @@ def test_bad_tolerance(store: Store, predictor: Predictor, tolerance: float) -> 
         predictor(store.load_case(0, 0), tolerance_mm=tolerance)
 
 
+def test_nothing_speaks_for_a_quick_prediction_without_calibration(
+    store: Store, body: Body
+) -> None:
+    predictor, case = Predictor(Linear(body)), store.load_case(0, 0)
+    quick = predictor(case, estimate="quick")
+    assert quick.status is PredictionStatus.NO_ERROR_ESTIMATE
+    assert not quick.status.usable
+    assert "neither a calibrated bound" in quick.reasons[0]
+    assert predictor(case).status is PredictionStatus.OK, "the physical estimate does"
+
+
+@pytest.mark.parametrize("wrong_by", [5.0, 2363.0, float("nan")])
+def test_garbage_is_never_ok(store: Store, body: Body, wrong_by: float) -> None:
+    """An untrained network's field, and one of its own making that is not finite."""
+    case, truth = store.load_case(0, 2), store.displacement(0)[2]
+    garbage = truth + wrong_by * np.sin(7 * body.mesh.points) * (truth != 0)
+    predictor = Predictor(FromFunction(body, lambda _: garbage))
+    for estimate in ("physical", "quick"):
+        prediction = predictor(case, estimate=estimate)
+        assert not prediction.status.usable
+        assert prediction.reasons
+
+
+def test_a_small_physical_estimate_outweighs_the_range(
+    store: Store, body: Body, predictor: Predictor
+) -> None:
+    """A pull where training pushed, which this surrogate knows exactly."""
+    case = store.load_case(0, 0)
+    pull = LoadCase(case.nodes, -case.forces)
+    exact = FiniteElementPredictor(body)(pull).displacement
+    surrogate = FromFunction(body, lambda _: exact)
+    calibrated = Predictor(surrogate, calibration=predictor.calibration)
+    assert calibrated(pull).status is PredictionStatus.OK
+    quick = calibrated(pull, estimate="quick")
+    assert quick.status is PredictionStatus.OUTSIDE_TRAINED_RANGE
+    assert "from the trained axis" in quick.reasons[0]
+
+
 def test_load_on_a_fixed_point(store: Store, predictor: Predictor) -> None:
     case = LoadCase(store.fixed[:1], np.array([[0.0, 0.0, 1e-3]]))
     with pytest.raises(InputError, match="is fixed"):

@@ -60,7 +60,7 @@ def test_a_repair_begins_at_the_share_that_still_tells_its_state(
     body: Body, exponent: float
 ) -> None:
     case, near = pushed_in(body, 1, 0.99 * DEEPEST)
-    assert where_to_begin(unwanted, body, case, near).share == 1.0
+    assert where_to_begin(unwanted, body, case, near).load_fraction == 1.0
     case, far = pushed_in(body, 1, 2 * DEEPEST)
 
     def answer(part: LoadCase) -> np.ndarray:
@@ -68,8 +68,8 @@ def test_a_repair_begins_at_the_share_that_still_tells_its_state(
         return float(share) ** exponent * far
 
     start = where_to_begin(answer, body, case, far)
-    part = LoadCase(case.nodes, start.share * case.forces)
-    assert 0.2 < start.share < 0.9
+    part = LoadCase(case.nodes, start.load_fraction * case.forces)
+    assert 0.2 < start.load_fraction < 0.9
     assert start.displacement is not None
     np.testing.assert_array_equal(start.displacement, answer(part))
     assert 0.6 * AIM < depth(body, part, start.displacement) / DEEPEST <= 1.0
@@ -80,7 +80,7 @@ def test_where_no_share_tells_it_begins_at_rest(body: Body, size: float) -> None
     case, far = pushed_in(body, 1, 2 * DEEPEST)
     start = where_to_begin(lambda _: size * far, body, case, size * far)
     assert start.displacement is None
-    assert start.share == 0.0
+    assert start.load_fraction == 0.0
 
 
 def test_an_answer_not_to_be_trusted_is_begun_at_rest(body: Body) -> None:

@@ -177,6 +177,44 @@ def test_a_skull_that_lets_slide_is_found_by_the_registration_that_knows(
     assert np.linalg.norm(moved[inner & (z == 0), :2], axis=1).max() > 0.1
 
 
+@pytest.mark.parametrize(
+    ("spoil", "status"),
+    [
+        (lambda p: PointPairs(p.source[[0] * 10], p.target[[0] * 10]), "TOO_FEW"),
+        (lambda p: PointPairs(p.source[:3], p.target[:3]), "TOO_FEW"),
+        (lambda p: PointPairs(p.source, p.source + np.array([8.0, 0, 0])), "MOVED_AS"),
+        (lambda p: PointPairs(p.source, p.source + 8 * (p.target - p.source)), ""),
+        (lambda p: PointPairs(p.source, np.roll(p.target, 2, axis=0)), ""),
+    ],
+)
+def test_a_measurement_that_tells_nothing_is_not_ok(
+    spoil, status: str, body: TetMesh, registrar: Registrar
+) -> None:
+    pairs = spoil(measured(body, true_shift(body, 0, 10.0), 0))
+    found = registrar(pairs, noise_mm=NOISE).prediction
+    assert not found.status.usable
+    assert found.status.name.startswith(status)
+    assert found.reasons
+
+
+def test_a_surface_far_from_the_body_is_not_ok(
+    body: TetMesh, registrar: Registrar
+) -> None:
+    seen = seen_surface(body, np.zeros_like(body.points), 0)
+    away = SurfacePoints(seen.points + np.array([0, 0, 15.0]))
+    found = registrar(away, noise_mm=NOISE).prediction
+    assert found.status == PredictionStatus.MEASUREMENT_TOO_FAR
+
+
+def test_a_noise_stated_far_too_small_is_told_by_the_misfit(
+    body: TetMesh, registrar: Registrar
+) -> None:
+    pairs = measured(body, true_shift(body, 0, 10.0), 0)
+    found = registrar(pairs, noise_mm=NOISE / 10).prediction
+    assert not found.status.usable
+    assert any("stated noise" in reason for reason in found.reasons)
+
+
 def test_wrong_numbers_are_refused(body: TetMesh, registrar: Registrar) -> None:
     pairs = measured(body, np.zeros_like(body.points), 0)
     for options in ({"noise_mm": 0.0}, {"noise_mm": np.nan}, {"coverage": 1.0}):

@@ -12,8 +12,8 @@ import numpy as np
 
 from physgnn.prediction.status import PredictionStatus
 
-# An error so small is small whatever the displacement; the tracking of a tool is not
-# better (benchmarks/statuses.py counts what these two do).
+# An error is small below either; benchmarks/statuses.py counts the mistakes that these
+# two make.
 SMALL_MM = 0.5
 SMALL_OF_DISPLACEMENT = 0.1
 # Cortical shifts of up to 24 mm were seen in 64 patients (Nimsky et al. 2000,
@@ -23,15 +23,16 @@ LARGEST_SHIFT_MM = 40.0
 # Brain tissue hardly changes its volume. In simulated shifts of 5 to 12 mm det F is
 # between 0.86 and 1.12 when registered (docs/results/registration.md).
 SMALLEST_JACOBIAN, LARGEST_JACOBIAN = 0.5, 2.0
-# Three unknown components of translation and of rotation are six; a point gives three
-# numbers, and half of those shall be left to say how well the others fit.
+# A rigid motion has six unknowns, which two points determine; how a brain deforms
+# besides has to come from the others (docs/results/registration.md).
 FEWEST_PLACES = 6
 SAME_PLACE_MM = 1.0  # points nearer to each other than this count once
 LEAST_SPREAD_MM = 3.0  # across the line along which the points spread most
 # A real surface sank by 10 mm on average (Roberts et al. 1998, "Intraoperative brain
 # shift and deformation", Neurosurgery 43, 749-758).
 FARTHEST_SURFACE_MM = 10.0
-# Translations up to this were seen in tests of a sinking surface that is nearly flat.
+# A surface that sinks evenly by less is believed; farther in, what the skull holds at
+# the rim of a craniotomy bends it.
 LARGEST_TRANSLATION_MM = 7.0
 AS_WELL = 1.1  # squared misfit of a translation over that of the elastic body
 LEAST_CHANCE = 1e-3  # of so large a misfit, if noise alone were its cause
@@ -171,6 +172,7 @@ def _moved_as_a_whole(evidence: Evidence) -> Iterator[str]:
     fit = evidence.fit
     if (
         fit is not None
+        and fit.chance >= LEAST_CHANCE  # else it is compared with a fit that is none
         and fit.translation_mm > LARGEST_TRANSLATION_MM
         and fit.translation_misfit < AS_WELL
     ):
@@ -240,9 +242,9 @@ Rule = Callable[[Evidence], Iterator[str]]
 RULES: tuple[tuple[PredictionStatus, Rule], ...] = (
     (PredictionStatus.TOO_FEW_POINTS, _too_few),
     (PredictionStatus.MEASUREMENT_TOO_FAR, _too_far),
-    (PredictionStatus.MOVED_AS_A_WHOLE, _moved_as_a_whole),
     (PredictionStatus.TOLERANCE_NOT_MET, _not_converged),
     (PredictionStatus.MISFIT_ABOVE_NOISE, _misfit),
+    (PredictionStatus.MOVED_AS_A_WHOLE, _moved_as_a_whole),
     (PredictionStatus.IMPLAUSIBLE_DISPLACEMENT, _implausible),
     (PredictionStatus.OUTSIDE_TRAINED_RANGE, _outside),
     (PredictionStatus.NO_ERROR_ESTIMATE, _no_estimate),

@@ -54,9 +54,15 @@ class Predictor:
         self.surrogate, self.body = surrogate, surrogate.body
         self.calibration = calibration
         self.relaxation = relaxation
-        self._indicator = (
-            INDICATORS[calibration.indicator](surrogate) if calibration else None
-        )
+        self._indicator = None
+        if calibration is not None:
+            if calibration.indicator not in INDICATORS:
+                raise InputError(
+                    f"the calibration's indicator must be one of "
+                    f"{', '.join(INDICATORS)} (got '{calibration.indicator}'): "
+                    "calibrate the run again"
+                )
+            self._indicator = INDICATORS[calibration.indicator](surrogate)
 
     @classmethod
     def load(
@@ -78,8 +84,8 @@ class Predictor:
         precision : {"float32", "bfloat16"}
             Of a PhysGNN's largest products; the processor should be made for it.
         warm : bool
-            First answers factorise, compile and allocate: have them over with. A
-            single answer needs but one factor of several, and so is sooner without.
+            The first predictions factorise, compile and allocate: make them now. A
+            single prediction needs but one factor of several, and is sooner without.
 
         Raises
         ------

@@ -23,8 +23,8 @@ WRONG_BY = 2.0  # the physical estimate may be too small by such a factor
 UNSURE_BY = 4.0  # it is made so much larger beyond UNSURE_FROM
 UNSURE_FROM = 1.5  # edges deep
 SAFETY = 10.0  # the solver's own estimate must be so much below the tolerance
-DEEPEST = 1.2  # edges, of an answer that a repair begins at
-AIM = 0.8  # of that, where a smaller share of the load is looked for
+DEEPEST = 1.2  # edges, of a displacement that a repair begins at
+AIM = 0.8  # of that, where a smaller fraction of the load is looked for
 MAX_TRIES = 4
 STATUS_BY_ORIGIN = {
     "guess": PredictionStatus.REPAIRED,
@@ -39,13 +39,13 @@ class Start:
     Attributes
     ----------
     displacement : (n_points, 3) array or None
-        An answer, mm; None for rest.
-    share : float
-        Of the load, that it is the answer to.
+        Where to begin, mm; None for rest.
+    load_fraction : float
+        The fraction of the load that it belongs to.
     """
 
     displacement: FloatArray | None
-    share: float
+    load_fraction: float
 
 
 def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
@@ -53,8 +53,8 @@ def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
 
     Cells under such a force snap through when it pushes them in deep, and then other
     equilibria lie near; the one meant is that which the growing load reaches. Where an
-    answer is not deep it tells which one that is: the repairs seen that began at one
-    and ended at another equilibrium began 1.42 edges deep or more
+    displacement is not deep it tells which one that is: the repairs seen that began at
+    one and ended at another equilibrium began 1.42 edges deep or more
     (docs/results/repair.md). Zero if the load acts on many points.
 
     Parameters
@@ -62,7 +62,7 @@ def depth(body: Body, case: LoadCase, displacement: FloatArray) -> float:
     body : Body
     case : LoadCase
     displacement : (n_points, 3) array
-        The answer, mm.
+        Its displacement, mm.
     """
     loaded = case.nodes[case.forces.any(axis=1)]
     if len(loaded) > FEW:
@@ -90,31 +90,31 @@ def where_to_begin(
     case: LoadCase,
     displacement: FloatArray,
 ) -> Start:
-    """Return the answer to a load, or to that share of it which still tells its state.
+    """Return the displacement under a load, or a fraction of it that tells its state.
 
     Parameters
     ----------
     predict : callable or None
-        Is asked for smaller shares; None if it is not to be trusted, and then the
+        Is asked for smaller loads; None if it is not to be trusted, and then the
         repair begins at rest.
     body : Body
     case : LoadCase
     displacement : (n_points, 3) array
-        The answer to the whole load, mm.
+        Under the whole load, mm.
     """
     if predict is None:
         return Start(None, 0.0)
-    share = 1.0
+    fraction = 1.0
     for _ in range(MAX_TRIES):
-        part = LoadCase(case.nodes, share * case.forces)
-        if share < 1.0:
+        part = LoadCase(case.nodes, fraction * case.forces)
+        if fraction < 1.0:
             displacement = predict(part)
         deep = depth(body, part, displacement)
         if deep <= DEEPEST:
-            return Start(displacement, share)
+            return Start(displacement, fraction)
         if not np.isfinite(deep):
             break
-        share *= AIM * DEEPEST / deep
+        fraction *= AIM * DEEPEST / deep
     return Start(None, 0.0)
 
 
@@ -128,7 +128,7 @@ def good_enough(
 
 
 def repair(
-    approach: WarmStartSolver, case: LoadCase, start: Start, tolerance_mm: float
+    solver: WarmStartSolver, case: LoadCase, start: Start, tolerance_mm: float
 ) -> tuple[FloatArray, ErrorBound | None, PredictionStatus]:
     """Return the stable equilibrium next to a start, its error and its status.
 
@@ -137,8 +137,11 @@ def repair(
     TOLERANCE_NOT_MET.
     """
     within = tolerance_mm / SAFETY
-    found = approach.solve(
-        case, start.displacement, load_fraction=start.share, tolerance_mm=within
+    found = solver.solve(
+        case,
+        start.displacement,
+        load_fraction=start.load_fraction,
+        tolerance_mm=within,
     )
     if found.status != Status.CONVERGED:
         return found.displacement, None, PredictionStatus.TOLERANCE_NOT_MET

@@ -13,7 +13,8 @@ from physgnn.registration.measurement import Measurement
 # a tracker's noise is known no better.
 NOISE_KNOWN_WITHIN = 1.5
 # The points of a surface are thinned to those farthest from each other, which are the
-# noisier ones: their variance is up to twice that of all (0.7 mm of noise in a plane).
+# noisier ones: their variance was up to 2.1 times that of all in simulated shifts
+# (benchmarks/registration_statuses.py).
 VARIANCE_BY_KIND = {"pairs": 1.0, "surface": 2.0}
 MAX_STEPS, SHORT_MM = 10, 0.01  # of the search for a translation
 

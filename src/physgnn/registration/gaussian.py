@@ -68,23 +68,25 @@ def choose_variances(
         σ, > 0, in the unit of d.
     """
     middle = np.log(max(float(np.sqrt((d**2).mean())), noise))
-    members = [A[:, family == i] for i in range(int(family.max()) + 1)]
-    shares = np.stack([part @ part.T for part in members])
+    columns = [A[:, family == i] for i in range(int(family.max()) + 1)]
+    covariances = np.stack([part @ part.T for part in columns])
 
     def cost(log_deviations: FloatArray) -> tuple[float, FloatArray]:
         """Return −log of the posterior up to a constant, and its gradient."""
         variances = np.exp(2 * log_deviations)
-        inverse = np.linalg.inv(_with_noise(np.tensordot(variances, shares, 1), noise))
+        inverse = np.linalg.inv(
+            _with_noise(np.tensordot(variances, covariances, 1), noise)
+        )
         alpha = inverse @ d
         _, log_det = np.linalg.slogdet(inverse)
-        slope = np.einsum("ij,kij->k", inverse, shares)
-        slope -= np.einsum("i,kij,j->k", alpha, shares, alpha)
+        slope = np.einsum("ij,kij->k", inverse, covariances)
+        slope -= np.einsum("i,kij,j->k", alpha, covariances, alpha)
         far = (log_deviations - middle) / HYPER_DEVIATION
         total = float(d @ alpha - log_det + far @ far) / 2
         return total, variances * slope + far / HYPER_DEVIATION
 
-    start = np.full(len(shares), middle)
-    within = [(middle - FARTHEST, middle + FARTHEST)] * len(shares)
+    start = np.full(len(covariances), middle)
+    within = [(middle - FARTHEST, middle + FARTHEST)] * len(covariances)
     found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=within)
     prior: FloatArray = np.exp(2 * found.x)[family]
     return prior

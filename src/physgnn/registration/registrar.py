@@ -2,7 +2,7 @@
 
 The unknown forces are a combination of load modes (`load_modes`), f = B w, with
 Gaussian coefficients w ~ N(0, Λ); what is measured is d = P u + noise, P the places and
-directions of the measurement (`measurement`). The most probable answer minimises
+directions of the measurement (`measurement`). The most probable displacement minimises
 
     |d − P u|² / σ² + wᵀ Λ⁻¹ w    where    f_int(u) = B w.
 
@@ -206,7 +206,7 @@ class _Search:
         self._noise = noise
         self.u = np.zeros_like(registrar.body.mesh.points)
         self.response: Fields = registrar.modes.response
-        self._back = np.zeros_like(self.u)
+        self._backward = np.zeros_like(self.u)
         self._seen, self._matches = measurement.observe(self.u), True
         A, d = _matrix(self._seen, self.response), self._seen.missing
         self._prior = choose_variances(A, d.ravel(), registrar.modes.family, noise)
@@ -218,7 +218,7 @@ class _Search:
         return self.posterior.mean
 
     def linear_step(self) -> bool:
-        """Take the answer of linear elasticity."""
+        """Take the displacement of linear elasticity."""
         self.u = self._step()
         return True
 
@@ -235,7 +235,7 @@ class _Search:
         return False
 
     def _step(self) -> FloatArray:
-        return self._back + _combined(self.response, self.w)
+        return self._backward + _combined(self.response, self.w)
 
     def _advance(self, step: FloatArray) -> bool:
         """Go along a step, a half, a quarter … of it, to where the body is stable."""
@@ -248,10 +248,10 @@ class _Search:
                     if self._matches
                     else self._seen.after(u - self.u)
                 )
-                self.u, (self.response, self._back) = u, found
+                self.u, (self.response, self._backward) = u, found
                 self.posterior = condition(
                     _matrix(self._seen, self.response),
-                    self._seen.missing - self._seen.of(self._back),
+                    self._seen.missing - self._seen.of(self._backward),
                     self._prior,
                     self._noise,
                 )

@@ -1,4 +1,4 @@
-"""How a deformed body answers to a little more force: K(u)⁻¹ f."""
+"""How a deformed body responds to a little more force: K(u)⁻¹ f."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ class TangentResponse:
     def __call__(
         self, displacement: FloatArray, forces: Fields
     ) -> tuple[Fields, FloatArray] | None:
-        """Return the answers K(u)⁻¹ f and the way back −K(u)⁻¹ f_int(u), mm.
+        """Return the responses K(u)⁻¹ f and the step backward −K(u)⁻¹ f_int(u), mm.
 
         Under forces f a Newton step from u is the sum of the two.
 

@@ -1,5 +1,7 @@
 """Calibrated bounds cover errors, and survive being written down."""
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,7 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.error_bounds.calibration import Calibration, calibrate
 from physgnn.prediction.error_bounds.indicators import INDICATORS
+from physgnn.prediction.predictor import Predictor
 
 
 @pytest.fixture(scope="module")
@@ -101,3 +104,41 @@ def test_a_higher_promise_has_no_smaller_factor(
     assert stricter.coverage == 0.75
     assert stricter.max_factor >= found.max_factor
     assert stricter.mean_factor >= found.mean_factor
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("max_factor", float("nan")),
+        ("mean_factor", -1.0),
+        ("coverage", 1.5),
+        ("max_factor", "much"),
+        ("others", [[0.95, float("inf"), 1.0]]),
+    ],
+)
+def test_numbers_that_promise_nothing_are_refused(
+    calibration: Calibration, tmp_path: Path, key: str, value: object
+) -> None:
+    file = tmp_path / "calibration.json"
+    calibration.write(file)
+    file.write_text(json.dumps({**json.loads(file.read_text()), key: value}))
+    with pytest.raises(InputError, match="calibrate the run again"):
+        Calibration.read(file)
+
+
+def test_a_range_without_end_is_refused(
+    calibration: Calibration, tmp_path: Path
+) -> None:
+    file = tmp_path / "calibration.json"
+    calibration.write(file)
+    record = json.loads(file.read_text())
+    record["trained_range"]["total_force_n"] = float("nan")
+    file.write_text(json.dumps(record))
+    with pytest.raises(InputError, match="trained range must be finite"):
+        Calibration.read(file)
+
+
+def test_an_unknown_indicator_is_refused(body: Body, calibration: Calibration) -> None:
+    odd = replace(calibration, indicator="guess")
+    with pytest.raises(InputError, match="indicator must be one of displacement"):
+        Predictor(Linear(body), calibration=odd)

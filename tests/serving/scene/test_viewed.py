@@ -17,7 +17,6 @@ def test_a_mesh_is_shown_with_linear_elasticity(block: TetMesh, tmp_path: Path) 
     np.testing.assert_array_equal(viewed.exposed.nodes, block.point_set("loaded"))
     case = LoadCase(viewed.exposed.nodes[:1], np.array([[0.0, 0.0, -0.01]]))
     assert viewed.predictors["linear"](case).displacement.any()
-    assert viewed.reasons_outside(case) == []
 
 
 def test_without_a_set_of_loaded_points_all_that_is_free_is_exposed(

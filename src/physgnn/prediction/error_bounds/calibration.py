@@ -52,6 +52,17 @@ class Calibration:
     trained_range: TrainedRange
     others: tuple[tuple[float, float, float], ...] = ()
 
+    def __post_init__(self) -> None:
+        """Refuse numbers that would make bounds which promise nothing."""
+        for coverage, *factors in (
+            (self.coverage, self.mean_factor, self.max_factor),
+            *self.others,
+        ):
+            if not 0 < coverage < 1:
+                raise InputError(f"coverage must be in (0, 1) (got {coverage})")
+            if not all(np.isfinite(factor) and factor >= 0 for factor in factors):
+                raise InputError(f"factors must be finite and ≥ 0 (got {factors})")
+
     def at(self, coverage: float) -> "Calibration":
         """Return the same with another promise; InputError names those there are."""
         rows = ((self.coverage, self.mean_factor, self.max_factor), *self.others)
@@ -90,7 +101,14 @@ class Calibration:
             loads = TrainedRange.from_json(record.pop("trained_range"))
             others = tuple(map(tuple, record.pop("others", ())))
             made = cls(**record, trained_range=loads, others=others)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        except (
+            InputError,
+            OSError,
+            ValueError,
+            KeyError,
+            TypeError,
+            AttributeError,
+        ) as error:
             raise InputError(
                 f"{path} is not a calibration ({error}): calibrate the run again"
             ) from error

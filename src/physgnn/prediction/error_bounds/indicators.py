@@ -36,7 +36,7 @@ def residual_indicator(surrogate: Surrogate) -> Indicator:
     Cells may be inverted in û (`physgnn.mechanics.elements.inverted`).
     """
     body = surrogate.body
-    if body.element != DEFAULT_ELEMENT:  # stress is continued in lone cells only
+    if body.element != DEFAULT_ELEMENT:  # stress is extrapolated in lone cells only
         raise InputError(f"indicator residual knows {DEFAULT_ELEMENT} elements only")
     rest = RestState(body)
 

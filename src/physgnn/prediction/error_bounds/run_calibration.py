@@ -181,7 +181,7 @@ def calibrate_family(
 
 
 def _adapted(trained: Checkpoint, store: Store, split: Split) -> Predictor:
-    """Return the predictor for a held-out patient, who gives loads but no answers."""
+    """Return the predictor for a held-out patient, who gives loads and no solutions."""
     forces = sample_forces(store, split.validation)
     return Predictor(adapt(trained, store.body, forces).model)
 

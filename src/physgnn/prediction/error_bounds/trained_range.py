@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from physgnn.arrays import FloatArray
+from physgnn.errors import InputError
 from physgnn.mechanics.loads.paths import LoadCase
 
 SLACK = 0.01  # relative; the highest training level itself must count as inside
@@ -39,6 +40,12 @@ class TrainedRange:
     nodal_force_n: float
     axis: tuple[float, float, float]
     smallest_cosine: float
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that no load would ever lie outside of."""
+        numbers = (self.total_force_n, self.nodal_force_n, self.smallest_cosine)
+        if not np.isfinite((*numbers, *self.axis)).all():
+            raise InputError(f"the trained range must be finite (got {numbers})")
 
     @classmethod
     def from_cases(cls, cases: Iterable[LoadCase]) -> "TrainedRange":

@@ -15,7 +15,6 @@ from physgnn.learning.models import build_model
 from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.linear.factor_cache import FACTORS
-from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.error_bounds.calibration import Calibration
 from physgnn.prediction.error_bounds.indicators import Indicator
 from physgnn.prediction.prediction import Predict
@@ -59,12 +58,6 @@ class Viewed:
         if self.calibration is None:
             return DEFAULT_FORCE_N
         return self.calibration.trained_range.total_force_n
-
-    def reasons_outside(self, case: LoadCase) -> list[str]:
-        """Return why a load lies outside the trained range; empty if it does not."""
-        if self.calibration is None:
-            return []
-        return self.calibration.trained_range.reasons_outside(case)
 
 
 def view(path: str | Path | None) -> Viewed:
