@@ -78,6 +78,10 @@ def test_one_path_needs_no_axis_for_it(arrays: dict[str, Any], tmp_path: Path) -
         ("displacement", lambda a: a[0, 0], "displacement must have 4 axes"),
         ("load_vectors", lambda a: a[:, :1], "load_vectors must have shape (2, 2, 3)"),
         ("load_factors", lambda a: a[::-1], "load_factors must increase strictly"),
+        ("points", lambda a: a + 1j, "points must be real numbers (got complex128)"),
+        ("region", lambda a: a * np.nan, "region must be whole numbers (one is nan)"),
+        ("cells", lambda a: a.astype(np.int64) + 2**32, "cells must fit 32 bits"),
+        ("cells", lambda a: a + 0.5, "cells must be whole numbers"),
         ("cells", lambda a: a + 1, "cells must index 0…63 (got 1…64)"),
     ],
 )

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from physgnn.errors import InputError
+from physgnn.io.input_errors import reading
 from physgnn.io.limits import allowed_bytes, check_size
-from physgnn.io.reading import reading
 from physgnn.io.text import read_bytes
 
 GZIP_MARK = b"\x1f\x8b"

@@ -18,7 +18,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import write_whole
-from physgnn.io.reading import reading
+from physgnn.io.input_errors import reading
 from physgnn.io.text import read_json
 from physgnn.mechanics.loads.paths import LoadCase
 

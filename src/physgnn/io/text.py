@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from physgnn.errors import InputError
+from physgnn.io.input_errors import reading
 from physgnn.io.limits import check_size
-from physgnn.io.reading import reading
 
 # UTF-32's little-endian mark begins with that of UTF-16
 MARKS = (

@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 from physgnn.errors import InputError
-from physgnn.io.reading import reading
+from physgnn.io.input_errors import reading
 from physgnn.io.text import read_bytes
 
 ENCODINGS = ("utf-8", "utf-16-le", "utf-16-be")

@@ -155,6 +155,13 @@ def written(tmp_path: Path, block: TetMesh) -> Path:
         ("<Boundary>", "<Contact><contact/></Contact><Boundary>", "section <Contact>"),
         ("</Mesh>", "", "expected a FEBio model"),
         ("<time_steps>2", "<time_steps>two", "'two'"),
+        ("<time_steps>2", "<time_steps>100000000", "time_steps must be in"),
+        ("<dof>y</dof>", "<dof></dof>", "needs a <scale>, and a <dof> that is x, y or"),
+        ("<dof>y</dof>", "<dof>xy</dof>", "(got 'xy')"),
+        ('node lid="2"', 'node lid="0"', "one value for every node of its set"),
+        ('node id="9"', 'node id="8"', "two nodes have the same id"),
+        ("<pt>1,", "<pt>nan,", "must hold finite numbers"),
+        ("<pt>1,", "<pt>0,", "must increase"),
     ],
 )
 def test_what_does_not_fit_is_named(

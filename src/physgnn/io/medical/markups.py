@@ -16,8 +16,8 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.measured import PointPairs
 from physgnn.imaging.transforms import points_to_ras
+from physgnn.io.input_errors import reading
 from physgnn.io.medical.pairing import MarkedPoint, paired
-from physgnn.io.reading import reading
 from physgnn.io.text import read_json, read_text
 from physgnn.progress import Log, no_log
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.measured import SurfacePoints
+from physgnn.io.input_errors import reading
 from physgnn.io.medical.markups import MARKUP_READERS, read_points
-from physgnn.io.reading import reading
 from physgnn.io.surfaces.formats import SURFACE_READERS, read_surface
 from physgnn.progress import Log, no_log
 

@@ -94,8 +94,8 @@ def _check_agreement(
     if not apart <= voxel:
         raise InputError(
             f"sform and qform must agree within a voxel (a corner lies {apart:.1f} mm "
-            "apart by the two): say which is meant with --affine sform or --affine "
-            "qform (affine=…)"
+            "apart by the two): make both alike, or say which is meant with --affine "
+            "sform or --affine qform (affine=…)"
         )
     if apart * UNITS_MM.get(_unit(image), ("", 1.0))[1] > SAME_MM:
         log(f"{path}: sform and qform differ by {apart:.2f}, less than a voxel: sform")

@@ -12,8 +12,8 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
+from physgnn.io.input_errors import reading
 from physgnn.io.numbers import whole_numbers
-from physgnn.io.reading import reading
 from physgnn.io.text import read_text
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
-from physgnn.io.reading import reading
+from physgnn.io.input_errors import reading
 from physgnn.io.text import read_bytes
 
 HEADER_BYTES = 84

@@ -46,7 +46,7 @@ def reading(path: str | Path, what: str) -> Iterator[None]:
         raise
     except FileNotFoundError as error:
         raise InputError(
-            f"{path}: no such file, so it cannot be read: check its name"
+            f"{path}: cannot be read, there is no such file: check its name"
         ) from error
     except MemoryError as error:
         raise InputError(
