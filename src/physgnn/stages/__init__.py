@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from physgnn.stages.datasets.synthetic_patients import anatomies as anatomies
     from physgnn.stages.experiments.ablation import ablate as ablate
     from physgnn.stages.experiments.demonstration import demo as demo
+    from physgnn.stages.experiments.installation import selftest as selftest
     from physgnn.stages.experiments.reproduction import reproduce as reproduce
     from physgnn.stages.networks.bundling import bundle as bundle
     from physgnn.stages.networks.evaluation import evaluate as evaluate
@@ -45,6 +46,7 @@ _HOME = {
     "published": "networks.published_weights",
     "register": "patient.registration",
     "reproduce": "experiments.reproduction",
+    "selftest": "experiments.installation",
     "simulate": "datasets.simulation",
     "train": "networks.training",
     "view": "patient.viewing",
