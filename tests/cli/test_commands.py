@@ -85,7 +85,7 @@ def test_help_is_whole_sentences(name: str) -> None:
 
 
 def test_names_that_the_help_spells_out_are_those_of_the_tables() -> None:
-    from physgnn.evaluation import BASELINES
+    from physgnn.evaluation.measure.baselines import BASELINES
     from physgnn.geometry.segmentation.label_tables import LABEL_TABLES
     from physgnn.io.answer_files import FORMS
     from physgnn.learning.models import MODELS
