@@ -161,7 +161,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("run", type=Path)
     parser.add_argument("store", type=Path)
-    parser.add_argument("--log", type=Path, default=Path("error-bars.jsonl"))
+    parser.add_argument(
+        "-o", "--out", "--log", dest="log", type=Path, default=Path("error-bars.jsonl")
+    )
     parser.add_argument("--per-level", type=int, default=16)
     parser.add_argument("--seconds", type=float, default=np.inf)
     parser.add_argument("--untrained", action="store_true")

@@ -207,7 +207,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("run", type=Path)
     parser.add_argument("store", type=Path)
-    parser.add_argument("--log", type=Path, default=Path("new-loads.jsonl"))
+    parser.add_argument(
+        "-o", "--out", "--log", dest="log", type=Path, default=Path("new-loads.jsonl")
+    )
     parser.add_argument("--loads", default="oblique", choices=[*DRAWN, "validation"])
     parser.add_argument("--split", default="path", help="of the validation paths")
     parser.add_argument("--paths", type=int, default=40)

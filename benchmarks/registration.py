@@ -178,7 +178,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--cases", type=int, default=24)
     parser.add_argument("--points", type=int, default=3000)
-    parser.add_argument("--first-seed", type=int, default=0)
+    parser.add_argument(
+        "--seed", "--first-seed", dest="first_seed", type=int, default=0
+    )
     parser.add_argument("--skull", choices=("fixed", "sliding"), default="fixed")
     parser.add_argument("--assumed", choices=("fixed", "sliding"))
     arguments = parser.parse_args()

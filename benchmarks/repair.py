@@ -139,7 +139,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("run", type=Path)
     parser.add_argument("store", type=Path)
-    parser.add_argument("--log", type=Path, default=Path("repair.jsonl"))
+    parser.add_argument(
+        "-o", "--out", "--log", dest="log", type=Path, default=Path("repair.jsonl")
+    )
     parser.add_argument("--per-level", type=int, default=7)
     parser.add_argument("--others-per-level", type=int, default=2)
     parser.add_argument("--tolerance-mm", type=float, default=0.1)

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from physgnn.stages import published as published
     from physgnn.stages import register as register
     from physgnn.stages import reproduce as reproduce
+    from physgnn.stages import selftest as selftest
     from physgnn.stages import simulate as simulate
     from physgnn.stages import train as train
     from physgnn.stages import view as view
@@ -92,6 +93,7 @@ _HOME = {
     "published": "stages",
     "register": "stages",
     "reproduce": "stages",
+    "selftest": "stages",
     "simulate": "stages",
     "train": "stages",
     "view": "stages",

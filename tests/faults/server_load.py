@@ -121,11 +121,10 @@ def report(seen: Seen, minutes: float) -> int:
     p50, p95, p99 = 1e3 * np.percentile(seen.seconds or [np.nan], [50, 95, 99])
     print(
         f"{len(seen.seconds)} predictions, p50 {p50:.0f} ms, p95 {p95:.0f} ms, "
-        f"p99 {p99:.0f} ms; {seen.errors} errors answered; memory "
+        f"p99 {p99:.0f} ms; {seen.errors} errors reported; memory "
         f"{seen.resident[0][1]:.0f} MB at first, {before:.0f} and {after:.0f} MB in "
-        "the halves after warming up, "
-        f"{max(late, default=0):.0f} MB at most; clients dropped: "
-        f"{seen.dropped or 'none'}"
+        f"the halves after warming up, {max(late, default=0):.0f} MB at most; "
+        f"clients dropped: {seen.dropped or 'none'}"
     )
     return int(bool(seen.dropped) or not seen.seconds or after > MOST_GROWTH * before)
 

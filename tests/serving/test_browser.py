@@ -2,7 +2,8 @@
 
 Set PHYSGNN_PLAYWRIGHT to the folder of playwright-core (``npm install playwright-core``
 anywhere; the folder is node_modules/playwright-core), PHYSGNN_CHROMIUM if Chromium is
-not on the path. PHYSGNN_VIEW_RUN names a trained run to show instead of the block;
+not on the path. With PHYSGNN_REQUIRE_BROWSER, as in .ci/run, it is an error if they
+are missing. PHYSGNN_VIEW_RUN names a trained run to show instead of the block;
 empty means the bundled model.
 """
 
@@ -46,7 +47,10 @@ def browser_tools() -> tuple[str, str, str]:
         ("playwright-core (set PHYSGNN_PLAYWRIGHT)", Path(playwright, "index.mjs")),
     ):
         if there is None or not Path(there).exists():
-            pytest.skip(f"no {name} on this machine")
+            says = f"no {name} on this machine: the first lines of this file say how"
+            if os.environ.get("PHYSGNN_REQUIRE_BROWSER"):
+                pytest.fail(says)
+            pytest.skip(says)
     return str(node), playwright, str(chromium)
 
 

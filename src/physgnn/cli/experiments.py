@@ -142,3 +142,17 @@ def bundle(
 ) -> None:
     """Make the model that comes with the package; call it again to resume."""
     print(stages.bundle(folder, out, show=progress, log=say))
+
+
+def selftest() -> None:
+    """Check this installation in about a minute, and print what was compared."""
+    with progress("checking") as move:
+        made = stages.selftest(progress=move)
+    for check in made:
+        verdict = "ok" if check.passed else "WRONG"
+        print(
+            f"{verdict:6}{check.name:40}{check.found:10.2g} {check.unit} "
+            f"(at most {check.limit:.2g})"
+        )
+    if not all(check.passed for check in made):
+        raise typer.Exit(1)

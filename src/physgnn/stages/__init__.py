@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from physgnn.stages.experiments.ablation import ablate as ablate
     from physgnn.stages.experiments.bundling import bundle as bundle
     from physgnn.stages.experiments.demonstration import demo as demo
+    from physgnn.stages.experiments.installation import selftest as selftest
     from physgnn.stages.experiments.reproduction import reproduce as reproduce
     from physgnn.stages.materials.fitting import fit_material as fit_material
     from physgnn.stages.networks.evaluation import evaluate as evaluate
@@ -47,6 +48,7 @@ _HOME = {
     "published": "networks.published_weights",
     "register": "patient.registration",
     "reproduce": "experiments.reproduction",
+    "selftest": "experiments.installation",
     "simulate": "datasets.simulation",
     "train": "networks.training",
     "view": "patient.viewing",
