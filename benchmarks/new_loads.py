@@ -121,7 +121,7 @@ class Bold:
 
     def __init__(self, model: Surrogate, mm: float) -> None:
         body, known = model.body, model.reference_states()
-        self._warm_start = WarmStartSolver(body, known=known)
+        self._warm_start = WarmStartSolver(body, nearest=known)
         self._within = mm / SAFETY
 
     def __call__(self, case: LoadCase, guess: np.ndarray) -> np.ndarray | None:

@@ -1,7 +1,7 @@
 """Accuracy and time of the models without weights, on samples they were not fitted to.
 
     python benchmarks/reduced.py paper-1.zarr --model reduced --split path
-    python benchmarks/reduced.py paper-2.zarr --model galerkin --option modes=96
+    python benchmarks/reduced.py paper-2.zarr --model galerkin --option pod_modes=96
 
 Prints errors in mm (mean Euclidean; mean over samples of the largest) at every fifth
 level, and milliseconds of CPU a prediction, one thread. Every load is answered twice

@@ -101,6 +101,10 @@ class Compared:
         offset = np.linalg.norm(exposed - phantom.craniotomy_point, axis=1)
         self._exposed = exposed[offset < EXPOSED_MM]
 
+    def at_truth(self, displacement: FloatArray) -> FloatArray:
+        """Return a displacement of the registered mesh at the true points."""
+        return self._locate(displacement)
+
     def answers(
         self, measured: PointPairs | SurfacePoints
     ) -> tuple[dict[str, FloatArray], Registration]:

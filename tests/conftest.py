@@ -1,17 +1,26 @@
 """Fixtures that more than one test module uses."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 from meshes import block_mesh
+from physgnn import interrupts
 from physgnn.geometry.tetmesh import TetMesh
 
 # Kernels compile on first use, so a first example may take seconds.
 settings.register_profile("physgnn", deadline=None, derandomize="CI" in os.environ)
 settings.load_profile("physgnn")
+
+
+@pytest.fixture(autouse=True)
+def _signals() -> Iterator[None]:
+    """A command called in this process leaves Ctrl-C as it was."""
+    yield
+    interrupts.uninstall()
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,7 @@
 """What examples/ shows works."""
 
 import runpy
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,25 @@ from physgnn.stages.datasets.simulation import simulate_mesh
 EXAMPLES = Path(__file__).parents[1] / "examples"
 # Without forces the one path has the loads of [[loads.more]] alone.
 BEYOND_FORCES = ("sagging", "retraction", "resection", "displacement")
+# The number that each example is about.
+HEADLINES: dict[str, Callable[[dict[str, float]], bool]] = {
+    "01_solve_one_load": lambda of: 15 < of["largest_mm"] < 0.9 * of["linear_mm"],
+    "02_a_law_of_your_own": lambda of: (
+        of["derivative_error"] < 1e-7 and 1.5 < of["stiffer_at_0.7"] < 1.6
+    ),
+    "03_mesh_from_labels": lambda of: (
+        4500 < of["points"] < 5500
+        and all(abs(v) < 0.5 for k, v in of.items() if k.endswith("_percent"))
+    ),
+    "04_train_and_predict": lambda of: of["network_mm"] < 0.2 * of["linear_mm"],
+    "05_adapt_to_a_patient": lambda of: (
+        of["adapted network"] < 0.25 * of["linear solution"]
+    ),
+    "06_register_and_warp": lambda of: of["error_mm"] < 0.25 * of["doing_nothing_mm"],
+    "07_a_method_of_your_own": lambda of: (
+        of["linear"] < of["method:NearestLoad"] < 0.5 * of["zero"]
+    ),
+}
 
 
 def sphere(radius: float, centre: tuple[float, float, float], nsub: int) -> Surface:
@@ -38,7 +58,18 @@ def test_every_example_is_tested() -> None:
         "measured.csv",
         "scan_to_scan.ipynb",  # tests/test_notebook.py
         *(f"{name}.toml" for name in BEYOND_FORCES),
+        *(f"{name}.py" for name in HEADLINES),
     }
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", HEADLINES)
+def test_headline(name: str, tmp_path: Path) -> None:
+    found = runpy.run_path(str(EXAMPLES / f"{name}.py"))["main"](tmp_path)
+    assert HEADLINES[name](found), found
+    assert (tmp_path / "picture.png").stat().st_size > 5000
+    page = (EXAMPLES.parent / "docs" / "examples.md").read_text("utf-8")
+    assert f'--8<-- "examples/{name}.py"' in page  # it is in the gallery
 
 
 @pytest.mark.parametrize("name", BEYOND_FORCES)

@@ -6,10 +6,11 @@ without torch.
 """
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    __version__: str
+
     from physgnn.dataset import Store as Store
     from physgnn.errors import InputError as InputError
     from physgnn.geometry import Surface as Surface
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from physgnn.stages import demo as demo
     from physgnn.stages import evaluate as evaluate
     from physgnn.stages import export as export
+    from physgnn.stages import fit_material as fit_material
     from physgnn.stages import import_results as import_results
     from physgnn.stages import mesh as mesh
     from physgnn.stages import predict as predict
@@ -83,6 +85,7 @@ _HOME = {
     "demo": "stages",
     "evaluate": "stages",
     "export": "stages",
+    "fit_material": "stages",
     "import_results": "stages",
     "mesh": "stages",
     "predict": "stages",
@@ -96,10 +99,13 @@ _HOME = {
 }
 
 __all__ = sorted(_HOME)
-__version__ = version("physgnn")
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version  # reads files: only if asked for
+
+        return version("physgnn")
     if name not in _HOME:
         raise AttributeError(f"module 'physgnn' has no attribute '{name}'")
     return getattr(import_module(f"physgnn.{_HOME[name]}"), name)

@@ -31,6 +31,24 @@ class Element(StrEnum):
     TET4_AVERAGED = "tet4-averaged"
 
 
+class FittedLaw(StrEnum):
+    """Laws that can be fitted.
+
+    Rows of `physgnn.mechanics.materials.fitted_laws.FAMILIES`.
+    """
+
+    NEO_HOOKEAN = "neo-hookean"
+    MOONEY_RIVLIN = "mooney-rivlin"
+    OGDEN = "ogden"
+
+
+class StressUnit(StrEnum):
+    """Units of measured stress: rows of `physgnn.io.stress_curves.PA`."""
+
+    KPA = "kpa"
+    PA = "pa"
+
+
 class SplitName(StrEnum):
     """Which samples are held out: rows of `physgnn.dataset.SPLITS`, and ``mesh``."""
 
@@ -96,6 +114,13 @@ class Skull(StrEnum):
 
     FIXED = "fixed"
     SLIDING = "sliding"
+
+
+class AffineForm(StrEnum):
+    """Of a NIfTI header: rows of `physgnn.io.medical.nifti_place.FORMS`."""
+
+    SFORM = "sform"
+    QFORM = "qform"
 
 
 class Interpolation(StrEnum):

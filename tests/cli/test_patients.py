@@ -20,10 +20,10 @@ model = "lifted"
 max_epochs = 1
 [options]
 anchors = 2
-reach = 1
+k_hops = 1
 width = 8
 layers = 1
-modes = 0
+pod_modes = 0
 """
 
 

@@ -96,7 +96,7 @@ def test_point_sets_alone(tmp_path: Path) -> None:
         (("poissons_ratio = 0.4", "poissons_ratio = 0.5"), r"in \(-1, 0.5\)"),
         (('kind = "nearest"', 'kind = "closest"'), "kind = one of half_space"),
         (("count = 4", "number = 4"), "unknown key 'number'"),
-        (("[loads]", "[loads"), "is not a TOML file"),
+        (("[loads]", "[loads"), "expected a TOML file"),
     ],
 )
 def test_mistakes(tmp_path: Path, change: tuple[str, str], message: str) -> None:
@@ -107,10 +107,10 @@ def test_mistakes(tmp_path: Path, change: tuple[str, str], message: str) -> None
 
 
 def test_no_file(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"cannot read .*nothing.toml: No such file"):
+    with pytest.raises(InputError, match=r"nothing\.toml: no such file"):
         read_preset(tmp_path / "nothing.toml")
     (tmp_path / "latin.toml").write_bytes(b"[loads] # \xe9\n")
-    with pytest.raises(InputError, match="is not a TOML file"):
+    with pytest.raises(InputError, match="must be in UTF-8"):
         read_preset(tmp_path / "latin.toml")
     with pytest.raises(InputError, match="needs the key 'loads'"):
         read_preset(write(tmp_path, ""))

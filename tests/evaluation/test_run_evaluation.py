@@ -150,14 +150,14 @@ def test_seeds_of_one_model_are_one_row_beside_a_tolerance(
     kinds = [[(m.name, m.seed) for m in seeds] for seeds in report.groups]
     assert kinds == [
         [("zero", None)],
-        [("pod_network", 0), ("pod_network", 1)],
+        [("pod-network", 0), ("pod-network", 1)],
         [("certified", 0)],
         [("physgnn", 0), ("physgnn", 1)],
     ]
     assert report.model("certified").tolerance_mm == 0.5
     assert report.model("physgnn").minutes == 0.5
     page = (tmp_path / "both" / "report.html").read_text("utf-8")
-    assert "Certified to 0.5 mm" in page
+    assert "Repaired to 0.5 mm" in page
     assert "Predictions made to keep a tolerance" in page
 
 

@@ -36,8 +36,8 @@ def test_what_is_read(arrays: dict[str, Any], tmp_path: Path) -> None:
     assert first.load_path.nodes.tolist() == arrays["load_nodes"][0, :1].tolist()
     assert np.array_equal(first.load_path.forces, [[1, 2, 3]])
     assert np.array_equal(second.load_path.forces, arrays["load_vectors"][1])
-    assert np.array_equal(first.answer().displacement, arrays["displacement"][0])
-    solution = second.answer()
+    assert np.array_equal(first.read_solution().displacement, arrays["displacement"][0])
+    solution = second.read_solution()
     assert solution.status.tolist() == [0, 0, Status.ITERATION_LIMIT]
     assert (solution.reached, solution.message) == (
         0.5,

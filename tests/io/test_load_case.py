@@ -104,5 +104,5 @@ def test_missing_and_binary_files(tmp_path: Path, block: TetMesh) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         read_load_case(tmp_path / "none.json", block)
     (tmp_path / "load.json").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="expected JSON"):
+    with pytest.raises(InputError, match="expected text in UTF-8"):
         read_load_case(tmp_path / "load.json", block)

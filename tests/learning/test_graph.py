@@ -37,10 +37,3 @@ def test_reordered_renames_points_only(block: TetMesh) -> None:
     order = torch.randperm(graph.n_points, generator=torch.Generator().manual_seed(0))
     renamed = graph.reordered(order).weighted.to_dense()
     assert torch.equal(renamed, graph.weighted.to_dense()[order][:, order])
-
-
-def test_a_point_of_no_cell_keeps_its_empty_row() -> None:
-    points = np.concatenate([TETRAHEDRON, [[9.0, 9, 9]]])
-    graph = Graph.from_mesh(TetMesh(points, np.array([[0, 1, 2, 3]]), np.zeros(1)))
-    assert graph.n_points == 5
-    assert graph.row_start.tolist() == [0, 3, 6, 9, 12, 12]

@@ -18,12 +18,12 @@ from physgnn.learning.surrogate import FromFunction, Surrogate
 from physgnn.mechanics.loads.paths import LoadCase
 
 SMALL = {  # options that make a method quick enough for a test
-    "pod_network": {"width": 8, "epochs": 2},
-    "extra_trees": {"trees": 2},
-    "nodal_network": {"width": 8, "epochs": 2},
-    "galerkin": {"modes": 3},
+    "pod-network": {"width": 8, "epochs": 2},
+    "extra-trees": {"trees": 2},
+    "mlp": {"width": 8, "epochs": 2},
+    "galerkin": {"pod_modes": 3},
     "reduced": {"anchors": 3},
-    "lifted": {"width": 8, "layers": 2, "modes": 2, "anchors": 2},
+    "lifted": {"width": 8, "layers": 2, "pod_modes": 2, "anchors": 2},
     "physgnn": {"width": 8},
 }
 TINY = 1e-20
@@ -43,7 +43,7 @@ def name(request: pytest.FixtureRequest) -> str:
 
 def case_for(name: str, store: Store, split: Split) -> LoadCase:
     """A load that a method can answer, not trained on if there is one."""
-    asked = split.train if name == "level_interpolation" else split.test
+    asked = split.train if name == "interpolation" else split.test
     path, level = asked[-1].tolist()
     return store.load_case(path, level)
 
@@ -91,7 +91,7 @@ def test_what_learns_nothing_needs_nothing(
 ) -> None:
     method, nothing = model_class(name), split.train[:0]
     assert method.applies_to(store, split.train, split.train)
-    interpolates = name == "level_interpolation"
+    interpolates = name == "interpolation"
     expected = not (method.learns or interpolates)
     assert method.applies_to(store, nothing, split.test) == expected
 

@@ -32,27 +32,27 @@ const place = (dx = 0, dy = 0) => page.evaluate(([dx, dy]) => {
   const { x, y } = stage.toScreen(sum.multiplyScalar(1 / load.touchable.length));
   return { x: x + dx, y: y + dy };
 }, [dx, dy]);
-/** Wait until the newest push is sent, answered and drawn. */
-async function answered(name) {
-  await settle();
+/** Wait until the newest patch load is sent, predicted and drawn. */
+async function predicted(name) {
+  await drawn();
   await page.waitForFunction(
     (name) => {
-      const { answers, link } = window.physgnn;
-      return link.next === null && answers[name]?.id === link.id;
+      const { predictions, link } = window.physgnn;
+      return link.next === null && predictions[name]?.id === link.id;
     }, name, WAIT);
   await page.waitForTimeout(READ_MS);
-  await settle();
+  await drawn();
 }
 const state = async () => page.evaluate(() => ({
-  answers: window.physgnn.answers,
-  push: window.physgnn.load.point && window.physgnn.load.message({ answers: ["network"] }),
+  predictions: window.physgnn.predictions,
+  patch_load: window.physgnn.load.point && window.physgnn.load.message({ predictors: ["network"] }),
   largest: document.querySelector("#largest").textContent,
   error: document.querySelector("#error").textContent,
   chip: document.querySelector("#chip").textContent,
   displaced: Array.from(window.physgnn.stage.views[0].displacement ?? []),
 }));
 const picture = async () => (await page.locator("#canvas").screenshot()).toString("base64");
-const settle = () => page.evaluate(() => new Promise((done) =>
+const drawn = () => page.evaluate(() => new Promise((done) =>
   requestAnimationFrame(() => requestAnimationFrame(done))));
 
 async function drag(steps, seconds) {
@@ -71,21 +71,21 @@ async function drag(steps, seconds) {
 
 await page.goto(url);
 await page.waitForSelector("body[data-ready=yes]", WAIT);
-await settle();
+await drawn();
 const atRest = await picture();
 
-// a first push, so that whatever is compiled on first use is out of the way
+// a first patch load, so that whatever is compiled on first use is out of the way
 await drag(5, 0);
-await answered("network");
+await predicted("network");
 saw.dragged = await state();
 saw.pictureChanged = (await picture()) !== atRest;
 
 await page.evaluate(() => { window.physgnn.link.drawnIn = []; });
 await drag(0, SECONDS);
-const drawn = await page.evaluate(() => window.physgnn.link.drawnIn);
-saw.rate = drawn.length / SECONDS;
-saw.latencyMs = drawn.sort((a, b) => a - b)[Math.floor(drawn.length / 2)];
-await answered("network");
+const latencies = await page.evaluate(() => window.physgnn.link.drawnIn);
+saw.rate = latencies.length / SECONDS;
+saw.latencyMs = latencies.sort((a, b) => a - b)[Math.floor(latencies.length / 2)];
+await predicted("network");
 
 const downloads = {};
 for (const [button, name] of [["#save", "load-case.json"], ["#screenshot", "physgnn.png"]]) {
@@ -94,15 +94,15 @@ for (const [button, name] of [["#save", "load-case.json"], ["#screenshot", "phys
   await download.saveAs(downloads[name]);
 }
 saw.downloads = downloads;
-saw.kept = await state();
+saw.saved = await state();
 
 await page.click("label:has(#solve)");
-await answered("finite elements");
+await predicted("finite elements");
 saw.solved = await state();
 await page.click("label:has(#solve)");
 
 await page.click("label:has(#compare)");
-await answered("finite elements");
+await predicted("finite elements");
 saw.captions = await page.locator("#captions span").allInnerTexts();
 await page.click("label:has(#compare)");
 
@@ -111,7 +111,7 @@ saw.legends = {};
 const names = await page.locator("#fields input").evaluateAll((inputs) => inputs.map((i) => i.value));
 for (const field of names.reverse()) {
   await page.click(`#fields label:has([value=${field}])`);
-  await answered("network");
+  await predicted("network");
   saw.legends[field] = await page.locator("#legend-title").textContent();
 }
 await page.click("#axes label:has([value=axial])");
@@ -120,7 +120,7 @@ await page.click("#axes label:has([value=none])");
 
 await page.focus("#canvas");
 await page.keyboard.press("Escape");
-await settle();
+await drawn();
 saw.released = await state();
 await page.keyboard.press("Enter");
 const force = await page.evaluate(() => window.physgnn.load.newton);

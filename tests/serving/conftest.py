@@ -49,7 +49,7 @@ def viewed(body: Body) -> Viewed:
     return Viewed(
         title="block",
         body=body,
-        answers={"network": network, "linear": Predictor(linear)},
+        predictors={"network": network, "linear": Predictor(linear)},
         exposed=Exposed.of(body, top),
         calibration=calibration,
         indicator=INDICATORS["displacement"](warm),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from physgnn.serving.app import Beside, make_app
-from physgnn.serving.protocol.messages import Push
+from physgnn.serving.protocol.messages import PatchLoad
 from physgnn.serving.server import listen, make_server
 from physgnn.serving.sessions.engine import Engine
 
@@ -43,12 +43,12 @@ def serving(engine: Engine, *beside: Beside) -> Iterator[Address]:
         assert not thread.is_alive()
 
 
-def push(**change: Any) -> Push:
+def patch_load(**change: Any) -> PatchLoad:
     """A gentle push on the middle of the block's top."""
     values = {
         "point": (5.0, 5.0, 10.0),
         "force_n": (0.0, 0.0, -0.01),
         "radius_mm": 6.0,
-        "answers": ["network"],
+        "predictors": ["network"],
     }
-    return Push(**{**values, **change})
+    return PatchLoad(**{**values, **change})

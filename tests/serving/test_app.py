@@ -3,7 +3,7 @@ import urllib.error
 import urllib.request
 
 import pytest
-from live_server import Address, push
+from live_server import Address, patch_load
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
@@ -64,7 +64,7 @@ def test_the_page_asks_nobody_else() -> None:
 def test_a_kept_load_case_is_what_predict_reads(
     address: Address, viewed: Viewed, tmp_path
 ) -> None:
-    message = push()
+    message = patch_load()
     status, content = post(address, message.model_dump_json())
     assert status == 200
     file = tmp_path / "load.json"

@@ -19,13 +19,13 @@ import pytest
 from live_server import serving
 
 from physgnn.io import read_load_case
-from physgnn.serving.protocol.messages import Push
+from physgnn.serving.protocol.messages import PatchLoad
 from physgnn.serving.scene.colours import FIELDS, TISSUE, ColourField
 from physgnn.serving.scene.viewed import Viewed, view
 from physgnn.serving.sessions.engine import Engine
 from physgnn.serving.sessions.predictions import load_case
 
-LEAST_RATE = 20  # answers drawn a second, while dragging
+LEAST_RATE = 20  # predictions drawn a second, while dragging
 ADDED = ColourField(
     label="Upward",
     title="Displacement along +z, mm",
@@ -77,15 +77,15 @@ def saw(shown: Viewed, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
     assert done.returncode == 0, done.stderr
     seen: dict[str, Any] = json.loads(done.stdout)
     seen["busy"] = busy
-    print(f"{seen['rate']:.1f} answers/s, {seen['latencyMs']:.0f} ms latency")
+    print(f"{seen['rate']:.1f} predictions/s, {seen['latencyMs']:.0f} ms latency")
     return seen
 
 
-def expected(shown: Viewed, push: dict[str, Any], name: str = "network") -> Any:
+def expected(shown: Viewed, patch_load: dict[str, Any], name: str = "network") -> Any:
     engine = Engine(shown)
-    case = load_case(engine, Push(**push))
+    case = load_case(engine, PatchLoad(**patch_load))
     engine.close()
-    return shown.answers[name](case)
+    return shown.predictors[name](case)
 
 
 def test_the_page_has_no_errors_and_asks_nobody_else(saw: dict[str, Any]) -> None:
@@ -96,21 +96,23 @@ def test_the_page_has_no_errors_and_asks_nobody_else(saw: dict[str, Any]) -> Non
 def test_a_drag_deforms_the_brain(saw: dict[str, Any]) -> None:
     assert saw["pictureChanged"]
     assert np.any(saw["dragged"]["displaced"])
-    assert saw["dragged"]["answers"]["network"]["largest_mm"] > 0
+    assert saw["dragged"]["predictions"]["network"]["largest_mm"] > 0
 
 
 def test_what_is_shown_is_what_predict_answers_for_the_kept_load_case(
     saw: dict[str, Any], shown: Viewed
 ) -> None:
-    kept = saw["kept"]
+    saved = saw["saved"]
     file = saw["downloads"]["load-case.json"]
-    prediction = shown.answers["network"](read_load_case(file, shown.body.mesh))
+    prediction = shown.predictors["network"](read_load_case(file, shown.body.mesh))
     largest = np.linalg.norm(prediction.displacement, axis=1).max()
     estimate = prediction.error_estimate_mm
-    assert kept["answers"]["network"]["largest_mm"] == pytest.approx(largest, rel=1e-5)
-    assert float(kept["largest"]) == pytest.approx(largest, abs=0.006)
-    assert float(kept["error"]) == pytest.approx(estimate.max_mm, rel=0.06)
-    on_page = np.array(kept["displaced"]).reshape(-1, 3)
+    assert saved["predictions"]["network"]["largest_mm"] == pytest.approx(
+        largest, rel=1e-5
+    )
+    assert float(saved["largest"]) == pytest.approx(largest, abs=0.006)
+    assert float(saved["error"]) == pytest.approx(estimate.max_mm, rel=0.06)
+    on_page = np.array(saved["displaced"]).reshape(-1, 3)
     engine = Engine(shown)
     there = prediction.displacement[engine.shown.nodes]
     engine.close()
@@ -119,7 +121,7 @@ def test_what_is_shown_is_what_predict_answers_for_the_kept_load_case(
 
 def test_the_page_keeps_up(saw: dict[str, Any]) -> None:
     if saw["busy"] and saw["rate"] < LEAST_RATE:
-        pytest.skip(f"other work on this machine ({saw['rate']} answers/s)")
+        pytest.skip(f"other work on this machine ({saw['rate']} predictions/s)")
     assert saw["rate"] >= LEAST_RATE
 
 
@@ -129,11 +131,13 @@ def test_the_screenshot_is_a_picture(saw: dict[str, Any]) -> None:
     assert len(content) > 10_000
 
 
-def test_finite_elements_replace_the_answer(saw: dict[str, Any]) -> None:
+def test_finite_elements_replace_the_predict(saw: dict[str, Any]) -> None:
     solved = saw["solved"]
-    answer = solved["answers"]["finite elements"]
+    prediction = solved["predictions"]["finite elements"]
     assert solved["chip"] == "solved"
-    assert float(solved["largest"]) == pytest.approx(answer["largest_mm"], abs=0.006)
+    assert float(solved["largest"]) == pytest.approx(
+        prediction["largest_mm"], abs=0.006
+    )
 
 
 def test_side_by_side_shows_all_three(saw: dict[str, Any]) -> None:
@@ -149,9 +153,9 @@ def test_the_menu_and_the_legends_are_the_rows_of_the_table(
     assert saw["legends"] == {**titles, "added": ADDED.title}
 
 
-def test_keys_and_touch_push_and_let_go(saw: dict[str, Any]) -> None:
-    assert saw["released"]["push"] is None
+def test_keys_and_touch_patch_load_and_let_go(saw: dict[str, Any]) -> None:
+    assert saw["released"]["patch_load"] is None
     assert saw["released"]["chip"] == "at rest"
     assert saw["keyboard"]["grew"]
-    assert saw["keyboard"]["push"] is not None
-    assert saw["touched"]["push"] is not None
+    assert saw["keyboard"]["patch_load"] is not None
+    assert saw["touched"]["patch_load"] is not None

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from live_server import Address, push, serving
+from live_server import Address, patch_load, serving
 from websockets.sync.client import connect
 
 from physgnn.serving.igtl import stream
@@ -39,12 +39,12 @@ def client(streamed) -> Iterator["pyigtl.OpenIGTLinkClient"]:
 def press(page: Address, force: float) -> None:
     with connect(page.live) as socket:
         socket.recv(timeout=WAIT)
-        message = push(force_n=(0.0, 0.0, force))
+        message = patch_load(force_n=(0.0, 0.0, force))
         socket.send(message.model_dump_json())
         socket.recv(timeout=WAIT)
 
 
-def test_the_rest_state_comes_first_then_every_answer(
+def test_the_rest_state_comes_first_then_every_predict(
     streamed, client, viewed: Viewed
 ) -> None:
     rest = client.wait_for_message("Displacement", timeout=WAIT)
@@ -53,8 +53,8 @@ def test_the_rest_state_comes_first_then_every_answer(
     press(streamed[0], -0.01)
     moved = client.wait_for_message("Displacement", timeout=WAIT)
     engine = Engine(viewed)
-    case = load_case(engine, push(force_n=(0.0, 0.0, -0.01)))
-    expected = viewed.answers["network"](case).displacement
+    case = load_case(engine, patch_load(force_n=(0.0, 0.0, -0.01)))
+    expected = viewed.predictors["network"](case).displacement
     for point, displacement in list(
         zip(viewed.body.mesh.points, expected, strict=True)
     )[::7]:

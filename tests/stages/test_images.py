@@ -2,6 +2,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista as pv
 import SimpleITK as sitk
 
 from meshes import block_mesh
@@ -12,6 +13,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh, write_prediction
 from physgnn.io.medical.nifti import read_image, read_segmentation, write_image
 from physgnn.io.vtk.prediction_file import read_displacement
+from physgnn.stages.patient.meshing import mesh
 from physgnn.stages.patient.registration import register
 from physgnn.stages.patient.segmentation import mesh_segmentation
 from physgnn.stages.patient.warping import warp
@@ -129,3 +131,78 @@ def test_register_writes_what_warp_reads(tmp_path: Path) -> None:
     top = u[mesh.point_set("loaded")]
     np.testing.assert_allclose(top.mean(axis=0), [0.0, 1.0, -2.0], atol=0.6)
     assert (u[mesh.point_set("fixed")] == 0).all()
+
+
+def test_warp_refuses_what_mixes_labels(
+    labels: LabelVolume, block: TetMesh, tmp_path: Path
+) -> None:
+    write_image(tmp_path / "seg.nii", labels)
+    write_prediction(tmp_path / "u.vtu", block, {"displacement_mm": 0 * block.points})
+    with pytest.raises(InputError, match="interpolation nearest"):
+        warp(
+            tmp_path / "seg.nii",
+            tmp_path / "u.vtu",
+            tmp_path / "out.nii",
+            labels=True,
+            interpolation="linear",
+        )
+
+
+def test_labels_that_cannot_be_meshed_as_they_are(
+    labels: LabelVolume, tmp_path: Path
+) -> None:
+    seg = tmp_path / "seg.nii"
+    write_image(seg, labels)
+    with pytest.raises(InputError, match=r"not used: 4, 6 .*--ignore-labels"):
+        mesh_segmentation(seg, "brain=1")
+    with pytest.raises(InputError, match="brats-2020 mark the tumour alone"):
+        mesh_segmentation(seg, "brats", ignore_labels=True)
+    small = LabelVolume(np.where(labels.data == 4, 1, 0), labels.affine)
+    write_image(seg, small)
+    with pytest.raises(InputError, match=r"labelled brain: a brain must have 50"):
+        mesh_segmentation(seg)
+    grey = np.random.default_rng(0).integers(0, 900, labels.data.shape)
+    write_image(seg, LabelVolume(grey, labels.affine))
+    with pytest.raises(InputError, match="this is an image, not a segmentation"):
+        mesh_segmentation(seg)
+
+
+def test_a_mask_that_is_an_image_with_its_background(
+    labels: LabelVolume, tmp_path: Path
+) -> None:
+    tumour = LabelVolume(np.where(labels.data == 4, 3, 0), labels.affine)
+    write_image(tmp_path / "seg.nii", tumour)
+    big = np.diag([5.0, 5.0, 5.0, 1.0])
+    write_image(tmp_path / "seg.nii", LabelVolume(tumour.data, big))
+    scored = np.random.default_rng(0).normal(size=labels.data.shape)
+    write_image(tmp_path / "z.nii", Image(scored, big))  # 4096 ml
+    with pytest.raises(InputError, match=r"z\.nii: brain mask: a brain must have"):
+        mesh_segmentation(tmp_path / "seg.nii", "brats", brain_mask=tmp_path / "z.nii")
+
+
+@needs_tetgen
+def test_each_label_is_accounted_for(labels: LabelVolume, tmp_path: Path) -> None:
+    write_image(tmp_path / "seg.nii", labels)
+    said: list[str] = []
+    mesh_segmentation(
+        tmp_path / "seg.nii",
+        "brain=1,tumour=4+7",
+        target_points=1500,
+        ignore_labels=True,
+        log=said.append,
+    )
+    ml = (labels.data == 6).sum() * 0.027
+    assert f"not used: 6 ({ml:.3g} ml)" in said
+    assert "asked for, not there: tumour=7" in said
+    (line,) = (line for line in said if line.startswith("label 4 → tumour: 5."))
+    assert float(line.split()[-1]) > 0.9
+
+
+@needs_tetgen
+def test_a_surface_has_the_size_of_a_brain(tmp_path: Path) -> None:
+    pv.Icosphere(radius=15.0, nsub=2).save(tmp_path / "ball.stl")
+    case = tmp_path / "case.vtu"
+    with pytest.raises(InputError, match=r"ball\.stl: a brain must have 50"):
+        mesh(case, brain=tmp_path / "ball.stl", target_points=1000)
+    mesh(case, brain=tmp_path / "ball.stl", target_points=1000, any_size=True)
+    assert case.exists()

@@ -1,5 +1,5 @@
 """The command line: parse, call, print."""
 
-from physgnn.cli.app import main
+from physgnn.cli.door import main
 
 __all__ = ["main"]

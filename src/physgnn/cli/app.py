@@ -1,6 +1,5 @@
 """The commands: each parses, calls its function in `physgnn.stages`, and prints."""
 
-import os
 import sys
 
 import typer
@@ -9,13 +8,13 @@ from physgnn.cli import (
     exchange,
     experiments,
     images,
+    materials,
     patients,
     predictions,
     simulation,
     training,
     viewing,
 )
-from physgnn.cli.console import say
 from physgnn.errors import InputError
 
 app = typer.Typer(
@@ -37,6 +36,7 @@ app.command(hidden=True)(experiments.bundle)
 app.command()(experiments.published)
 app.command()(experiments.reproduce)
 app.command()(experiments.ablate)
+app.command()(materials.fit_material)
 app.command()(patients.anatomies)
 app.command()(patients.adapt)
 app.command()(images.warp)
@@ -44,15 +44,30 @@ app.command()(images.register)
 app.command()(viewing.view)
 
 
-def main() -> None:
-    """Run the command line; wrong input is one line on standard error and exit 2."""
-    if int(os.environ.get("LOCAL_RANK", 0)) > 0:  # the first process speaks for all
-        sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: PTH123, SIM115
+def run() -> int:
+    """Run the command that the arguments name, and return its exit code.
+
+    Raises
+    ------
+    InputError
+        If an argument is unknown, missing or wrong.
+    """
+    arguments = sys.argv[1:] or ["--help"]
+    command = typer.main.get_command(app)
     try:
-        app()
-    except InputError as error:
-        say(f"physgnn: {error}")
-        sys.exit(2)
-    except OSError as error:
-        say(f"physgnn: {error.strerror or error}: {error.filename or ''}".rstrip(": "))
-        sys.exit(2)
+        with command.make_context("physgnn", arguments) as context:
+            command.invoke(context)
+    except typer.Exit as ended:
+        return ended.exit_code
+    except typer.TyperException as error:
+        raise InputError(_line(error)) from error
+    return 0
+
+
+def _line(error: typer.TyperException) -> str:
+    """Return what is wrong with the arguments, and of which command, in one line."""
+    context = getattr(error, "ctx", None)
+    text = " ".join(getattr(error, "format_message", error.__str__)().split())
+    text = text.replace("Value error, ", "")  # pydantic's, of a choice
+    command = "physgnn" if context is None else context.command_path
+    return f"{text.rstrip('.')} (see {command} --help)"

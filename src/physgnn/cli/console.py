@@ -1,9 +1,11 @@
 """What the terminal shows while something takes long."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
+import typer
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -18,9 +20,13 @@ from rich.progress import (
 
 from physgnn.progress import Progress as Callback
 
+if TYPE_CHECKING:
+    from physgnn.prediction.status import PredictionStatus
+
 err = Console(stderr=True)
 """Progress and errors; standard output holds results only."""
 SECONDS_A_LINE = 60.0
+NOT_USABLE = 3  # exit code; the file is written nevertheless
 
 
 @contextmanager
@@ -69,6 +75,14 @@ def working(title: str) -> Iterator[None]:
     """Show that something without countable steps is under way, and for how long."""
     with progress(title, transient=True):
         yield
+
+
+def conclude(status: "PredictionStatus", reasons: Sequence[str]) -> None:
+    """End a command: exit code 3, with the reasons, if a displacement is not usable."""
+    for reason in reasons:
+        say(f"  {reason}")
+    if not status.usable:
+        raise typer.Exit(NOT_USABLE)
 
 
 def say(line: str) -> None:

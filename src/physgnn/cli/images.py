@@ -6,8 +6,15 @@ from typing import Annotated
 import typer
 
 from physgnn import choices, stages
-from physgnn.cli.console import say, working
-from physgnn.cli.options import Displacement, Form, Grid, Materials, OutFile
+from physgnn.cli.console import conclude, say, working
+from physgnn.cli.options import (
+    AffineOption,
+    Displacement,
+    Form,
+    Grid,
+    Materials,
+    OutFile,
+)
 
 
 def warp(
@@ -43,6 +50,7 @@ def warp(
             help="Draw slices before, after and as a checkerboard to this PNG file."
         ),
     ] = None,
+    affine: AffineOption = None,
 ) -> None:
     """Deform an image as a prediction says."""
     with working("warping"):
@@ -55,6 +63,7 @@ def warp(
             field=field or (),
             jacobian=jacobian,
             slices=slices,
+            affine=affine,
             log=say,
         )
     print(out)
@@ -100,7 +109,10 @@ def register(
     form: Form = None,
     image: Grid = None,
 ) -> None:
-    """Find the whole displacement from what was measured on the surface."""
+    """Find the whole displacement from what was measured on the surface.
+
+    The exit code is 3 if the displacement that is written is not ok.
+    """
     with working("registering"):
         found = stages.register(
             mesh,
@@ -113,13 +125,9 @@ def register(
             materials=materials,
             form=form,
             image=image,
+            log=say,
         )
-    ended = (
-        "the displacement can be used with its error estimate"
-        if found.prediction.status.usable
-        else "the search ended early, since a body held so can hardly move like that: "
-        "check points, materials and --skull"
-    )
+    status = found.prediction.status
     estimate = found.prediction.error_estimate_mm
     bound = "" if estimate is None else f"error {estimate.mean_mm:.2f} mm on average, "
     most = "" if estimate is None else f"{estimate.max_mm:.2f} mm at most"
@@ -127,5 +135,6 @@ def register(
     print(
         f"{out}: {bound}{most}{chance}, misfit {found.misfit_mm:.2f} mm, of points "
         f"held out {found.held_out_mm:.2f} mm; {found.prediction.seconds:.1f} s; "
-        f"{found.prediction.status}: {ended}"
+        f"{status}: {status.remedy}"
     )
+    conclude(status, found.prediction.reasons)

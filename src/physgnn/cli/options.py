@@ -42,6 +42,14 @@ PrecisionOption = Annotated[
         "bfloat16: it is quicker and rougher."
     ),
 ]
+AffineOption = Annotated[
+    choices.AffineForm | None,
+    typer.Option(
+        "--affine",
+        help="Place a NIfTI image by this part of its header, where sform and qform "
+        "disagree by more than a voxel.",
+    ),
+]
 Displacement = Annotated[
     Path,
     typer.Option(

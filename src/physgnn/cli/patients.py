@@ -30,7 +30,9 @@ def anatomies(
 def adapt(
     run: Annotated[
         Path,
-        typer.Argument(help="The folder of a lifted network trained with modes = 0."),
+        typer.Argument(
+            help="The folder of a lifted network trained with pod_modes = 0."
+        ),
     ],
     case: Annotated[Path, typer.Argument(help="The new patient's mesh, VTU.")],
     out: OutFolder,

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from physgnn import choices, stages
-from physgnn.cli.console import progress, working
+from physgnn.cli.console import conclude, progress, working
 from physgnn.cli.options import Displacement, Form, Grid, PrecisionOption
 
 
@@ -35,8 +35,8 @@ def evaluate(
         str,
         typer.Option(
             help="Compare with these: quick, all, or names with commas between. The "
-            "names are zero, linear, level_interpolation, pod_network, extra_trees, "
-            "nodal_network, galerkin and reduced."
+            "names are zero, linear, interpolation, pod-network, extra-trees, mlp, "
+            "galerkin, reduced and finite-element, or module:Class."
         ),
     ] = "quick",
     tolerance_mm: Annotated[
@@ -104,7 +104,10 @@ def predict(
         ),
     ] = choices.Estimate.PHYSICAL,
 ) -> None:
-    """Predict the displacement under one load case."""
+    """Predict the displacement under one load case.
+
+    The exit code is 3 if the displacement that is written is not ok.
+    """
     with working("predicting"):
         found = stages.predict(
             run,
@@ -126,3 +129,4 @@ def predict(
         f"{out}: largest displacement {largest:.2f} mm{error}{bound}{chance}, "
         f"{1e3 * found.seconds:.1f} ms; {found.status}: {found.status.remedy}"
     )
+    conclude(found.status, found.reasons)

@@ -7,7 +7,7 @@ import typer
 
 from physgnn import choices, stages
 from physgnn.cli.console import progress, say, working
-from physgnn.cli.options import LoadsOption, OutFile, PresetOption
+from physgnn.cli.options import AffineOption, LoadsOption, OutFile, PresetOption
 
 SHOWN_REMARKS, SHOWN_ERRORS = 20, 3
 
@@ -21,8 +21,9 @@ def mesh(
     labels: Annotated[
         str,
         typer.Option(
-            help="Which label is which tissue: the name of a convention (mask, brats, "
-            "freesurfer) or a list such as brain=1,tumour=4."
+            help="Which label is which tissue: the name of a convention (mask, "
+            "freesurfer, brats, or exactly one of brats-2020, brats-2023, brats-post "
+            "and msd) or a list such as brain=1,tumour=4."
         ),
     ] = "mask",
     brain_mask: Annotated[
@@ -76,6 +77,23 @@ def mesh(
         float | None,
         typer.Option(help="Refuse a mesh with a cell whose mean ratio is below this."),
     ] = None,
+    ignore_labels: Annotated[
+        bool,
+        typer.Option(
+            "--ignore-labels",
+            help="Leave labels that are not named out of the mesh, however large their "
+            "volume is.",
+        ),
+    ] = False,
+    any_size: Annotated[
+        bool,
+        typer.Option(
+            "--any-size",
+            help="Accept a brain of less than 50 or more than 2500 ml, such as a "
+            "phantom.",
+        ),
+    ] = False,
+    affine: AffineOption = None,
 ) -> None:
     """Fill surfaces, or a label map, with tetrahedra and name point sets."""
     with working("meshing"):
@@ -93,6 +111,9 @@ def mesh(
             max_volume_mm3=max_volume_mm3,
             target_points=target_points,
             quality_floor=quality_floor,
+            ignore_labels=ignore_labels,
+            any_size=any_size,
+            affine=affine,
             log=say,
         )
     print(f"{out}: {made.n_points} points, {made.n_cells} cells")

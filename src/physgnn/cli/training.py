@@ -28,8 +28,10 @@ def train(
     model: Annotated[
         str | None,
         typer.Option(
-            help="Train this model: galerkin, lifted, physgnn (the default) or "
-            "reduced; or one of your own, as module:Class."
+            help="Train this model: lifted or physgnn (the default); or fit one that "
+            "has no steps: reduced, galerkin, pod-network, extra-trees, mlp, "
+            "interpolation, linear, finite-element, zero; or one of your own, as "
+            "module:Class."
         ),
     ] = None,
     configuration: Annotated[
@@ -104,7 +106,7 @@ def train(
         bool, typer.Option("--resume", help="Continue an interrupted run.")
     ] = False,
 ) -> None:
-    """Train a network on a dataset; the best weights are kept."""
+    """Train a network on a dataset and save its best weights."""
     with progress("training") as move:
         checkpoint = stages.train(
             store,

@@ -39,7 +39,7 @@ def view(
         typer.Option("--igtl-surfaces", help="Stream the deformed surfaces too."),
     ] = False,
 ) -> None:
-    """Push the brain in the browser and see it follow."""
+    """Load the brain in the browser and see it deform."""
     stages.view(
         path, port=port, image=image, igtl=igtl, igtl_surfaces=igtl_surfaces, log=say
     )

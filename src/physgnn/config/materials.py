@@ -22,7 +22,7 @@ from physgnn.config.tables import TAG, ConfigTable, read_as, read_toml, variants
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.errors import InputError
 from physgnn.mechanics.materials import TISSUES, Material, NeoHookean
-from physgnn.mechanics.materials.table import LAWS
+from physgnn.mechanics.materials.table import LAWS, material_to_config
 
 REGIONS = {"brain": 0, "tumour": 1, "ventricle": 2}
 
@@ -62,6 +62,23 @@ MATERIAL: Any = Annotated[
 ]
 MATERIALS: Any = Annotated[dict[str, MATERIAL], AfterValidator(_by_region)]
 """The table ``[materials]``."""
+
+
+def material_table(material: Material, region: str) -> str:
+    """Return the table of a region's material as TOML; `read_materials` reads it.
+
+    Raises
+    ------
+    InputError
+        If there is no such region.
+    """
+    region_of(region)
+    lines = [f"[materials.{region}]"]
+    for name, value in material_to_config(material).items():
+        is_text = isinstance(value, str)
+        shown = list(value) if isinstance(value, tuple) else value
+        lines.append(f'{name} = "{shown}"' if is_text else f"{name} = {shown!r}")
+    return "\n".join(lines) + "\n"
 
 
 def read_materials(path: str | Path | None) -> dict[int, Material]:

@@ -5,7 +5,6 @@ key of a table names the class that the others belong to, as ``kind`` does of a 
 the classes are the rows of a table (`variants`).
 """
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from difflib import get_close_matches
@@ -36,6 +35,7 @@ from pydantic import (
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from physgnn.errors import InputError
+from physgnn.io.text import read_toml_text
 
 T = TypeVar("T")
 Place = tuple[str | int, ...]
@@ -76,12 +76,7 @@ class ConfigTable(BaseModel):
 
 def read_toml(path: str | Path) -> dict[str, Any]:
     """Return the tables of a TOML file; InputError says where it is broken."""
-    try:
-        return tomllib.loads(Path(path).read_text("utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror}") from error
-    except ValueError as error:  # TOML or UTF-8
-        raise InputError(f"{path} is not a TOML file: {error}") from error
+    return read_toml_text(path)
 
 
 def read_as(kind: Any, table: Any, file: str | Path, *, at: Place = ()) -> Any:

@@ -11,7 +11,7 @@ from physgnn.arrays import IntArray
 from physgnn.dataset.splits.samples import MESH, Split
 from physgnn.dataset.storage.store import Store
 from physgnn.evaluation.measure.baselines import baseline_rows, named_baselines
-from physgnn.evaluation.measure.cached_rows import KeptRows
+from physgnn.evaluation.measure.cached_rows import CachedRows
 from physgnn.evaluation.measure.coverage import (
     BarSample,
     bar_facts,
@@ -21,7 +21,7 @@ from physgnn.evaluation.measure.coverage import (
 from physgnn.evaluation.measure.held_out import HeldOut, check_unseen
 from physgnn.evaluation.measure.measuring import evaluate
 from physgnn.evaluation.measure.result import Report
-from physgnn.evaluation.measure.rows import Row, certified, load_predictor, run_rows
+from physgnn.evaluation.measure.rows import Row, load_predictor, repaired_row, run_rows
 from physgnn.evaluation.report.facts import (
     bound_facts,
     case_facts,
@@ -54,7 +54,7 @@ class Comparison:
     tolerance_mm : float or None
         Adds the last run's first seed with every prediction made to keep this.
     precision : str
-        Of the runs' answers, as in `Predictor.load`.
+        Of the runs' predictions, as in `Predictor.load`.
     """
 
     baselines: str = "quick"
@@ -109,8 +109,8 @@ def evaluate_runs(
     rows = _rows(folders, held_out, comparison)
     run = folders[-1]
     files = EvaluationFolder(out) if out else RunFolder(run).evaluation(held_out.split)
-    kept = KeptRows(files.rows, held_out)
-    report = evaluate(rows, held_out, kept=kept, progress=progress)
+    cached = CachedRows(files.rows, held_out)
+    report = evaluate(rows, held_out, cached=cached, progress=progress)
     predictor = load_predictor(run, held_out.store, comparison.precision)
     bars = measure_bars(predictor, held_out, progress=progress)
     report = report.with_facts(
@@ -129,7 +129,7 @@ def evaluate_run(
 
 
 def _rows(runs: Sequence[Path], held_out: HeldOut, comparison: Comparison) -> list[Row]:
-    """Return baselines, runs and the certified row, in the order of presentation."""
+    """Return baselines, runs and the repaired row, in the order of presentation."""
     tested = run_rows(runs, held_out.store, comparison.precision)
     seeds = sorted({row.seed for row in tested if row.seed is not None}) or [0]
     names = {row.name for row in tested}  # what is tested is no baseline of itself
@@ -138,7 +138,7 @@ def _rows(runs: Sequence[Path], held_out: HeldOut, comparison: Comparison) -> li
     rows = baseline_rows(baselines, held_out, seeds=seeds)
     if comparison.tolerance_mm is not None:
         first = next(row for row in tested if row.name == tested[-1].name)
-        rows.append(certified(first, comparison.tolerance_mm))
+        rows.append(repaired_row(first, comparison.tolerance_mm))
     return rows + tested
 
 

@@ -11,6 +11,7 @@ from physgnn.errors import InputError
 
 # Rounding in a NIfTI header's float32 affine stays far below this cosine.
 SHEAR = 1e-3
+INT32 = np.iinfo(np.int32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,11 +127,15 @@ class LabelVolume(Image):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        whole = np.asarray(self.data).astype(np.int32)
-        if not np.array_equal(whole, self.data):
+        given = np.asarray(self.data)
+        in_range = given.size == 0 or bool(
+            (given.min() >= INT32.min) & (given.max() <= INT32.max)
+        )
+        whole = given.astype(np.int32) if in_range else np.zeros(1, np.int32)
+        if not np.array_equal(whole, given):
             raise InputError(
-                "a segmentation must hold whole numbers (this looks like an image): "
-                "give the label map"
+                "a segmentation must hold whole numbers (this is an image, not a "
+                "segmentation: see 'physgnn segment'): give the label map"
             )
         if not whole.any():
             raise InputError("the segmentation is empty: every voxel is 0")

@@ -83,7 +83,7 @@ def directed_edges(faces: FaceArray) -> FaceArray:
 
 
 def merge(surfaces: list[Surface]) -> Surface:
-    """Return the surfaces as one, points sorted by (x, y, z) and each kept once."""
+    """Return the surfaces as one, points sorted by (x, y, z) duplicates removed."""
     starts = np.cumsum([0, *(surface.n_points for surface in surfaces)])
     faces = [
         surface.faces + start for surface, start in zip(surfaces, starts, strict=False)

@@ -42,13 +42,19 @@ def warp(
     Raises
     ------
     InputError
-        If the interpolation is unknown or the field is a forward one.
+        If the interpolation is unknown or mixes the labels of a label map, or the field
+        is a forward one.
     """
     is_labels = isinstance(image, LabelVolume)
     name = interpolation or ("nearest" if is_labels else "linear")
     if name not in INTERPOLATIONS:
         raise InputError(
             f"interpolation must be one of {', '.join(INTERPOLATIONS)} (got '{name}')"
+        )
+    if is_labels and name != "nearest":
+        raise InputError(
+            f"a label map is warped with interpolation nearest (got '{name}', which "
+            "mixes labels into others): leave the interpolation out"
         )
     if name != "nearest":
         image = Image(np.asarray(image.data, dtype=np.float32), image.affine)
@@ -57,5 +63,5 @@ def warp(
     moved = from_itk(
         sitk.Resample(moving, moving, transform, INTERPOLATIONS[name], 0.0)
     )
-    kind = LabelVolume if is_labels and name == "nearest" else Image
+    kind = LabelVolume if is_labels else Image
     return kind(moved.data, image.affine)  # type: ignore[arg-type]

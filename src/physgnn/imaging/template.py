@@ -8,7 +8,7 @@ from physgnn.geometry.tetmesh import TetMesh
 # A brain's volume; the template is not even loaded for blocks and balls.
 LITRES = 1.0, 3.0
 # The bundled mesh has its sulci closed, which the template's mask has not.
-SHARE_INSIDE = 0.9
+FRACTION_INSIDE = 0.9
 
 
 def bundled_t1(mesh: TetMesh) -> Image | None:
@@ -31,8 +31,11 @@ def bundled_t1(mesh: TetMesh) -> Image | None:
     index = np.clip(centres, 0, np.array(brain.data.shape) - 1).astype(int)
     inside = brain.data[tuple(index.T)] & (index == centres).all(axis=1)
     covered = litres * 1e6 / (brain.data.sum() * brain.grid.voxel_volume_mm3)
-    share = np.average(inside, weights=mesh.cell_volumes)
-    if share < SHARE_INSIDE or not SHARE_INSIDE < covered < 1 / SHARE_INSIDE**2:
+    inside_fraction = np.average(inside, weights=mesh.cell_volumes)
+    if (
+        inside_fraction < FRACTION_INSIDE
+        or not FRACTION_INSIDE < covered < 1 / FRACTION_INSIDE**2
+    ):
         return None
     template = load_mni152_template(resolution=1)
     return Image(np.asarray(template.dataobj), template.affine)

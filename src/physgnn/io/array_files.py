@@ -25,6 +25,9 @@ from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_numbers
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_file
+from physgnn.io.compressed import read_npz
+from physgnn.io.numbers import real_numbers, whole_numbers
+from physgnn.io.reading import reading
 from physgnn.io.simulation import Simulation, solution_of
 from physgnn.mechanics.equilibrium.solution import Status
 from physgnn.mechanics.loads.paths import LoadPath
@@ -32,6 +35,7 @@ from physgnn.mechanics.loads.paths import LoadPath
 Arrays = Mapping[str, np.ndarray[Any, Any]]
 
 MESH = ("points", "cells", "region", "fixed")
+WHOLE = ("cells", "region", "fixed", "load_nodes")
 AXES = {"load_nodes": 2, "load_vectors": 3, "load_factors": 1, "displacement": 4}
 
 
@@ -43,17 +47,9 @@ def read_arrays(path: Path) -> list[Simulation]:
     InputError
         If an array is missing, or does not fit the others.
     """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            found = {name: file[name] for name in file.files}
-    except (OSError, ValueError, EOFError) as error:
-        raise InputError(
-            f"{path}: expected arrays in an .npz file ({error})"
-        ) from error
-    try:
+    found = read_npz(path)
+    with reading(path, "results as arrays"):
         return _simulations(str(path), _checked(found))
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
 
 
 def write_arrays(path: str | Path, simulations: Sequence[Simulation]) -> None:
@@ -81,7 +77,7 @@ def write_arrays(path: str | Path, simulations: Sequence[Simulation]) -> None:
         loaded = slice(len(simulation.load_path.nodes))
         arrays["load_nodes"][i, loaded] = simulation.load_path.nodes
         arrays["load_vectors"][i, loaded] = simulation.load_path.forces
-        solution = simulation.answer()
+        solution = simulation.read_solution()
         lost = solution.status != Status.CONVERGED
         displacement.append(
             np.where(lost[:, None, None], np.nan, solution.displacement)
@@ -96,6 +92,9 @@ def _checked(found: dict[str, np.ndarray[Any, Any]]) -> Arrays:
         raise InputError(
             f"has no array '{missing[0]}' (it has: {', '.join(found) or 'none'})"
         )
+    for name in (*MESH, *AXES):
+        check = whole_numbers if name in WHOLE else real_numbers
+        found[name] = check(found[name], name)
     for name, axes in AXES.items():
         if name != "load_factors" and found[name].ndim == axes - 1:
             found[name] = found[name][None]
@@ -129,7 +128,7 @@ def _simulations(source: str, arrays: Arrays) -> list[Simulation]:
         zip(arrays["load_nodes"], arrays["load_vectors"], strict=True)
     ):
         load_path = LoadPath(nodes[nodes >= 0], forces[nodes >= 0], factors)
-        answer = partial(solution_of, arrays["displacement"][i], factors)
+        read = partial(solution_of, arrays["displacement"][i], factors)
         name = f"{source}, load path {i}"
-        simulations.append(Simulation(name, mesh, fixed, load_path, None, answer))
+        simulations.append(Simulation(name, mesh, fixed, load_path, None, read))
     return simulations

@@ -1,6 +1,8 @@
 """Files and folders that appear whole or not at all.
 
-Whatever this package writes for others to read goes through here.
+Whatever this package writes for others to read goes through here. What a writer left
+is on the disk and looked at before it takes its place: VTK, for one, reports no error
+when the disk is full.
 """
 
 import os
@@ -10,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from physgnn.errors import InputError
+from physgnn.io.completeness import what_is_missing
 
 
 def check_folder(path: Path) -> None:
@@ -19,24 +22,57 @@ def check_folder(path: Path) -> None:
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(
+    path: Path,
+    *,
+    refused: tuple[type[Exception], ...] = (),
+    may_be_empty: bool = False,
+) -> Iterator[Path]:
     """Yield a path beside `path` to write to; on success it takes its place.
 
     The process id in its name keeps two writers apart; the suffixes stay last, since
-    some writers choose the format by them.
+    some writers choose the format by them. An older file stays as it is until the new
+    one is on the disk and complete.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    refused : tuple of exception types
+        What the writer raises, beside OSError, if it cannot write.
+    may_be_empty : bool
+        Whether a file of no bytes is complete.
 
     Raises
     ------
     InputError
-        If the folder does not exist.
+        If the folder does not exist, or the file cannot be written whole.
     """
     check_folder(path)
     part = _beside(path)
     try:
-        yield part
-        part.replace(path)
+        with _refusals(path, refused):
+            yield part
+            _to_disk(part)
+            missing = what_is_missing(part, may_be_empty=may_be_empty)
+            if missing is not None:
+                raise InputError(
+                    f"cannot write {path}: {missing}; is the disk full, or a quota "
+                    "used up?"
+                )
+            part.replace(path)
+            _to_disk(path.parent)
     finally:
         part.unlink(missing_ok=True)
+
+
+def reserve(path: Path, n_bytes: int) -> None:
+    """Make a file of so many bytes, to learn whether there is room; OSError if not."""
+    with path.open("wb") as file:
+        if hasattr(os, "posix_fallocate"):
+            os.posix_fallocate(file.fileno(), 0, n_bytes)
+        else:
+            file.write(bytes(n_bytes))
 
 
 def write_whole(path: Path, text: str) -> None:
@@ -45,9 +81,9 @@ def write_whole(path: Path, text: str) -> None:
     Raises
     ------
     InputError
-        If the folder does not exist.
+        If the folder does not exist, or the file cannot be written whole.
     """
-    with whole_file(path) as part:
+    with whole_file(path, may_be_empty=not text) as part:
         part.write_text(text, "utf-8")
 
 
@@ -60,18 +96,49 @@ def whole_folder(path: Path) -> Iterator[Path]:
     Raises
     ------
     InputError
-        If there is something at `path` already.
+        If there is something at `path` already, or the folder cannot be written whole.
     """
     if path.exists():
         raise InputError(f"{path} exists already: name another folder")
-    path.parent.mkdir(parents=True, exist_ok=True)
     part = _beside(path)
     try:
-        yield part
-        part.rename(path)
+        with _refusals(path, ()):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            yield part
+            part.rename(path)
+            _to_disk(path.parent)
     finally:
         shutil.rmtree(part, ignore_errors=True)
 
 
 def _beside(path: Path) -> Path:
     return path.with_name(f".{os.getpid()}.{path.name}")
+
+
+@contextmanager
+def _refusals(path: Path, refused: tuple[type[Exception], ...]) -> Iterator[None]:
+    """Name the file that was wanted, not the one beside it."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is not None and not _is_part(error.filename, path):
+            raise  # of another file
+        raise InputError(f"cannot write {path}: {error.strerror or error}") from error
+    except refused as error:
+        reason = " ".join(str(error).split()).replace(_beside(path).name, path.name)
+        raise InputError(f"cannot write {path}: {reason}") from error
+
+
+def _is_part(name: object, path: Path) -> bool:
+    return _beside(path).name in str(name) or str(name) in (str(path), str(path.parent))
+
+
+def _to_disk(path: Path) -> None:
+    """Have the system write what it holds back: only then a full disk is known."""
+    if not path.exists():
+        return
+    opened = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(opened)
+    finally:
+        os.close(opened)

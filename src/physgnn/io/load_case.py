@@ -18,6 +18,8 @@ from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import write_whole
+from physgnn.io.reading import reading
+from physgnn.io.text import read_json
 from physgnn.mechanics.loads.paths import LoadCase
 
 PLACES = ("nodes", "points")
@@ -49,16 +51,9 @@ def read_load_case(
         the surface, or a force is not three finite numbers.
     """
     path = Path(path)
-    try:
-        content = json.loads(path.read_text("utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    except ValueError as error:
-        raise InputError(f"{path}: expected JSON ({error})") from error
-    try:
+    content = read_json(path)
+    with reading(path, "a load case"):
         return _load_case(content, mesh, snap_mm)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
 
 
 def write_load_case(path: str | Path, case: LoadCase) -> None:

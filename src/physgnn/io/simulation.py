@@ -14,7 +14,7 @@ from physgnn.mechanics.materials import Material
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """What was asked, and the way to the answer.
+    """The problem that was solved, and how to read its solution.
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class Simulation:
     load_path : LoadPath
     materials : mapping of region to Material, or None
         None if the format does not tell.
-    answer : callable
+    read_solution : callable
         Reads the solution; raises InputError if it does not fit.
     """
 
@@ -34,7 +34,7 @@ class Simulation:
     fixed: IntArray
     load_path: LoadPath
     materials: Mapping[int, Material] | None
-    answer: Callable[[], Solution]
+    read_solution: Callable[[], Solution]
 
 
 def solution_of(displacement: FloatArray, load_factors: FloatArray) -> Solution:
@@ -49,7 +49,8 @@ def solution_of(displacement: FloatArray, load_factors: FloatArray) -> Solution:
     Returns
     -------
     Solution
-        How close to equilibrium others came is not known: the residual is NaN.
+        How close to equilibrium the levels came was not recorded: their residual is
+        NaN.
     """
     found = np.isfinite(displacement.sum(axis=(1, 2)))
     status = np.where(found, Status.CONVERGED, Status.NOT_REACHED).astype(np.int8)

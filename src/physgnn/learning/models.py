@@ -17,19 +17,66 @@ from physgnn.mechanics.body import Body
 MODELS: Mapping[str, str] = {
     "zero": "physgnn.learning.baselines.zero:Zero",
     "linear": "physgnn.learning.baselines.linear:Linear",
-    "level_interpolation": (
+    "interpolation": (
         "physgnn.learning.baselines.level_interpolation:LevelInterpolation"
     ),
-    "pod_network": "physgnn.learning.classical.pod_network:PODNetwork",
-    "extra_trees": "physgnn.learning.classical.extra_trees:ExtraTrees",
-    "nodal_network": "physgnn.learning.classical.nodal_network:NodalNetwork",
+    "pod-network": "physgnn.learning.classical.pod_network:PODNetwork",
+    "extra-trees": "physgnn.learning.classical.extra_trees:ExtraTrees",
+    "mlp": "physgnn.learning.classical.nodal_network:NodalNetwork",
     "galerkin": "physgnn.learning.reduced_order.pod_galerkin:GalerkinModel",
     "reduced": "physgnn.learning.reduced_order.local_expansion:ReducedModel",
-    "finite_element": "physgnn.learning.baselines.finite_element:FiniteElement",
+    "finite-element": "physgnn.learning.baselines.finite_element:FiniteElement",
     "lifted": "physgnn.learning.lifted.model:LiftedModel",
     "physgnn": "physgnn.learning.physgnn.model:PhysGNNModel",
 }
 """From a method's name to its class, which is imported when first asked for."""
+
+EARLIER_NAMES: Mapping[str, str] = {
+    "level_interpolation": "interpolation",
+    "pod_network": "pod-network",
+    "extra_trees": "extra-trees",
+    "nodal_network": "mlp",
+    "finite_element": "finite-element",
+}
+"""From what a method was called before to its name now: files may have either."""
+
+EARLIER_OPTIONS: Mapping[str, str] = {
+    "reach": "k_hops",
+    "reach_from_rest": "k_hops_from_rest",
+    "settle": "submodel_hops",
+    "together": "nearest_anchors",
+    "modes": "pod_modes",
+}
+"""What options of the methods above were called before, and are now."""
+
+
+def method_name(name: str) -> str:
+    """Return what a method is called now."""
+    return EARLIER_NAMES.get(name, name)
+
+
+def method_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a method's options by the names they have now.
+
+    The options of a method that is no row of ``MODELS`` are its own affair.
+
+    Raises
+    ------
+    InputError
+        If an option is given by both of its names.
+    """
+    if method_name(name) not in MODELS:
+        return dict(options)
+    renamed: dict[str, Any] = {}
+    for option, value in options.items():
+        now = EARLIER_OPTIONS.get(option, option)
+        if now in renamed:
+            raise InputError(
+                f"option '{now}' of model '{name}' is given twice: '{option}' is the "
+                "same by another name; leave one out"
+            )
+        renamed[now] = value
+    return renamed
 
 
 def build_model(name: str, body: Body, **options: Any) -> Surrogate:
@@ -62,6 +109,8 @@ def build_model(name: str, body: Body, **options: Any) -> Surrogate:
 def resolved_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return all options of a method: those given, and the defaults of the others.
 
+    Options may have earlier names; those returned have the present ones.
+
     Raises
     ------
     InputError
@@ -69,19 +118,22 @@ def resolved_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
     """
     parameters = inspect.signature(model_class(name)).parameters.values()
     known = {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
-    unknown = sorted(set(options) - set(known))
+    now = method_options(name, options)
+    unknown = sorted(
+        k for k in options if not {*method_options(name, {k: 0})} & {*known}
+    )
     if unknown:
         raise InputError(
             f"model '{name}' has no option '{unknown[0]}' "
             f"(it has: {', '.join(known) or 'none'})"
         )
-    return {**known, **options}
+    return {**known, **now}
 
 
 def is_model(name: str) -> bool:
     """Return whether a name is a row of ``MODELS`` or reads ``module:Class``."""
     module, colon, attribute = name.partition(":")
-    return name in MODELS or bool(module and colon and attribute)
+    return method_name(name) in MODELS or bool(module and colon and attribute)
 
 
 def model_class(name: str) -> type[Surrogate]:
@@ -103,6 +155,7 @@ def model_class(name: str) -> type[Surrogate]:
             f"no model '{name}' (there are: {', '.join(sorted(MODELS))}; name one of "
             "your own as module:Class)"
         )
+    name = method_name(name)
     module, _, attribute = MODELS.get(name, name).partition(":")
     if name not in MODELS and str(Path.cwd()) not in sys.path:
         sys.path.append(str(Path.cwd()))

@@ -76,7 +76,7 @@ class Network(nn.Module, Surrogate):
         """
         raise InputError(
             f"{type(self).__name__} learns from one body: give one dataset, or train "
-            "model lifted with modes = 0"
+            "model lifted with pod_modes = 0"
         )
 
     def own_weights(self) -> None:

@@ -152,7 +152,7 @@ class Surrogate(ABC):
         """
         raise InputError(
             f"{type(self).__name__} belongs to its mesh: train model lifted with "
-            "modes = 0"
+            "pod_modes = 0"
         )
 
     @property

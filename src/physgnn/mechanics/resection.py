@@ -28,14 +28,17 @@ def remove_region(mesh: TetMesh, label: int) -> tuple[TetMesh, IntArray]:
     InputError
         If there is no such region, or nothing else.
     """
-    kept = mesh.region != label
-    if kept.all() or not kept.any():
+    remaining_cells = mesh.region != label
+    if remaining_cells.all() or not remaining_cells.any():
         labels = np.unique(mesh.region).tolist()
         raise InputError(
             f"region {label} cannot be removed: the mesh has regions {labels}"
         )
     remaining, used = without_unused_points(
-        mesh.points, mesh.cells[kept], mesh.region[kept], mesh.point_sets
+        mesh.points,
+        mesh.cells[remaining_cells],
+        mesh.region[remaining_cells],
+        mesh.point_sets,
     )
     index = np.full(mesh.n_points, -1, dtype=np.int64)
     index[used] = np.arange(len(used))

@@ -6,9 +6,9 @@ from physgnn.prediction.prediction import (
     ErrorBound,
     Predict,
     Prediction,
-    PredictionStatus,
 )
 from physgnn.prediction.predictor import Predictor
+from physgnn.prediction.status import PredictionStatus
 
 __all__ = [
     "ErrorBound",

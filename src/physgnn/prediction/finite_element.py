@@ -49,4 +49,5 @@ class FiniteElementPredictor:
             error_estimate_mm=ErrorBound(within, within, 1.0) if whole else None,
             status=PredictionStatus.OK if whole else PredictionStatus.TOLERANCE_NOT_MET,
             seconds=time.perf_counter() - start,
+            reasons=() if whole else (found.status.remedy,),
         )

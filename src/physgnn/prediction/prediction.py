@@ -1,60 +1,14 @@
 """What every predictor gives back: a displacement and how far to trust it."""
 
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Protocol
 
 from physgnn.arrays import FloatArray
 from physgnn.choices import Estimate
 from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.prediction.status import PredictionStatus
 
-
-class PredictionStatus(IntEnum):
-    """How a prediction ended. The text of each is its remedy."""
-
-    OK = 0
-    SOLVED = 1
-    OUTSIDE_TRAINED_RANGE = 2
-    TOLERANCE_NOT_MET = 3
-    REPAIRED = 4
-
-    @property
-    def remedy(self) -> str:
-        """One line: what happened and what to do."""
-        return _REMEDY[self]
-
-    @property
-    def usable(self) -> bool:
-        """Whether the answer may be used with its error estimate as it is."""
-        return self in (
-            PredictionStatus.OK,
-            PredictionStatus.REPAIRED,
-            PredictionStatus.SOLVED,
-        )
-
-    def __str__(self) -> str:
-        return self.name.lower().replace("_", " ")
-
-
-_REMEDY = {
-    PredictionStatus.OK: "the prediction can be used with its error estimate",
-    PredictionStatus.REPAIRED: (
-        "the estimate was above the tolerance, so the prediction was taken to "
-        "equilibrium: raise tolerance_mm to save its time"
-    ),
-    PredictionStatus.SOLVED: (
-        "the load was solved by finite elements from rest, no prediction being near "
-        "enough: raise tolerance_mm to save its time"
-    ),
-    PredictionStatus.OUTSIDE_TRAINED_RANGE: (
-        "the load lies outside the trained range, where the error estimate promises "
-        "nothing: give tolerance_mm to have it solved"
-    ),
-    PredictionStatus.TOLERANCE_NOT_MET: (
-        "the finite-element solve did not reach this load: lower the force or refine "
-        "the mesh under it"
-    ),
-}
+__all__ = ["ErrorBound", "LikelyError", "Predict", "Prediction", "PredictionStatus"]
 
 
 @dataclass(frozen=True)
@@ -91,7 +45,7 @@ class LikelyError:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """The answer to one load case.
+    """The displacement under one load case.
 
     Attributes
     ----------
@@ -102,9 +56,11 @@ class Prediction:
     status : PredictionStatus
         Its `remedy` says what to do.
     seconds : float
-        Wall-clock time of the answer, the estimate included.
+        Wall-clock time it took, the estimate included.
     likely_error_mm : LikelyError or None
         None if only the quick bounds were asked for.
+    reasons : tuple of str
+        Why it is not called ok, one line each.
     """
 
     displacement: FloatArray
@@ -112,6 +68,7 @@ class Prediction:
     status: PredictionStatus
     seconds: float
     likely_error_mm: LikelyError | None = None
+    reasons: tuple[str, ...] = ()
 
 
 class Predict(Protocol):

@@ -18,12 +18,8 @@ from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.error_bounds.calibration import Calibration
 from physgnn.prediction.error_bounds.indicators import INDICATORS
-from physgnn.prediction.prediction import (
-    ErrorBound,
-    LikelyError,
-    Prediction,
-    PredictionStatus,
-)
+from physgnn.prediction.evidence import Evidence, Verdict, decide
+from physgnn.prediction.prediction import ErrorBound, LikelyError, Prediction
 from physgnn.prediction.repair_policy import (
     cautious_error,
     good_enough,
@@ -44,7 +40,8 @@ class Predictor:
     calibration, relaxation : Calibration, optional
         Give the error bounds, from a cheap indicator and from the physical estimate,
         and the trained range. Without the first a prediction carries no bounds unless
-        asked for the physical estimate, and any `tolerance_mm` calls for a repair.
+        asked for the physical estimate, and any `tolerance_mm` calls for a repair; with
+        the quick estimate its status is NO_ERROR_ESTIMATE then.
     """
 
     def __init__(
@@ -117,7 +114,7 @@ class Predictor:
             Forces in N.
         tolerance_mm : float, optional
             The largest nodal error wanted. Where the physical estimate, doubled, or the
-            bound is above it, or they promise nothing, the answer is taken to the
+            bound is above it, or they promise nothing, the prediction is taken to the
             finite-element equilibrium.
         estimate : str
             One of `physgnn.choices.Estimate`: "physical" says how large the error
@@ -139,30 +136,27 @@ class Predictor:
                 f"estimate must be one of {', '.join(Estimate)} (got {estimate})"
             )
         displacement = self.surrogate.predict(load_case)
-        status = self._status(load_case)
-        bounds, likely = None, None
         if estimate == Estimate.QUICK and tolerance_mm is None:
-            bounds = self._quick(load_case, displacement)
+            bounds, likely = self._quick(load_case, displacement), None
+            verdict = self._judge(load_case, displacement, bounds)
         else:
             relaxed = self.relax(load_case, displacement)
             error = cautious_error(self.body, load_case, relaxed)
             bounds, likely = self._physical(load_case, displacement, error)
+            verdict = self._judge(load_case, displacement, bounds, likely, tolerance_mm)
             if tolerance_mm is not None and not (
-                status.usable and good_enough(bounds, likely, tolerance_mm)
+                verdict.status.usable
+                and not self._outside(load_case)
+                and good_enough(bounds, likely, tolerance_mm)
             ):
-                sound = self.surrogate.is_sound(load_case)
-                start = where_to_begin(
-                    self.surrogate.predict if sound else None,
-                    self.body,
-                    load_case,
-                    relaxed.displacement,
-                )
-                displacement, bounds, status = repair(
-                    self._warm_start, load_case, start, tolerance_mm
+                displacement, bounds, verdict = self._repaired(
+                    load_case, relaxed, tolerance_mm
                 )
                 likely = None
         seconds = time.perf_counter() - begun
-        return Prediction(displacement, bounds, status, seconds, likely)
+        return Prediction(
+            displacement, bounds, verdict.status, seconds, likely, verdict.reasons
+        )
 
     def error(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
         """Return the physical estimate of a prediction's error, (n_points, 3), mm."""
@@ -204,18 +198,55 @@ class Predictor:
             return self._quick(load_case, displacement), likely
         return self.relaxation.estimate(error), likely
 
-    def _status(self, load_case: LoadCase) -> PredictionStatus:
-        outside = self.calibration and (
-            self.calibration.trained_range.reasons_outside(load_case)
+    def _judge(
+        self,
+        load_case: LoadCase,
+        displacement: FloatArray,
+        bounds: ErrorBound | None,
+        likely: LikelyError | None = None,
+        tolerance_mm: float | None = None,
+    ) -> Verdict:
+        """Decide what the prediction is called."""
+        squares = np.einsum("ni,ni->n", displacement, displacement)
+        return decide(
+            Evidence(
+                largest_mm=float(np.sqrt(squares.max())),
+                bound_mm=None if bounds is None else bounds.max_mm,
+                likely_mm=None if likely is None else likely.max_mm,
+                tolerance_mm=tolerance_mm,
+                outside=self._outside(load_case),
+                sound=self.surrogate.is_sound(load_case),
+            )
         )
-        if outside or not self.surrogate.is_sound(load_case):
-            return PredictionStatus.OUTSIDE_TRAINED_RANGE
-        return PredictionStatus.OK
+
+    def _outside(self, load_case: LoadCase) -> tuple[str, ...]:
+        """Return why a load is unlike those trained on; empty if that is not known."""
+        calibration = self.calibration or self.relaxation
+        if calibration is None:
+            return ()
+        return tuple(calibration.trained_range.reasons_outside(load_case))
+
+    def _repaired(
+        self, load_case: LoadCase, relaxed: Relaxation, tolerance_mm: float
+    ) -> tuple[FloatArray, ErrorBound | None, Verdict]:
+        """Take a prediction to the finite-element equilibrium."""
+        sound = self.surrogate.is_sound(load_case)
+        start = where_to_begin(
+            self.surrogate.predict if sound else None,
+            self.body,
+            load_case,
+            relaxed.displacement,
+        )
+        displacement, bounds, status = repair(
+            self._warm_start, load_case, start, tolerance_mm
+        )
+        reasons = () if status.usable else ("the solve did not reach this load",)
+        return displacement, bounds, Verdict(status, reasons)
 
     @cached_property
     def _warm_start(self) -> WarmStartSolver:
         known, threads = self.surrogate.reference_states(), torch.get_num_threads()
-        return WarmStartSolver(self.body, known=known, threads=threads)
+        return WarmStartSolver(self.body, nearest=known, threads=threads)
 
 
 def _read_if_there(file: Path) -> Calibration | None:

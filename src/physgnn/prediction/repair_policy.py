@@ -138,7 +138,7 @@ def repair(
     """
     within = tolerance_mm / SAFETY
     found = approach.solve(
-        case, start.displacement, share=start.share, tolerance_mm=within
+        case, start.displacement, load_fraction=start.share, tolerance_mm=within
     )
     if found.status != Status.CONVERGED:
         return found.displacement, None, PredictionStatus.TOLERANCE_NOT_MET

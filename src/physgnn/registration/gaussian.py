@@ -16,6 +16,9 @@ from physgnn.arrays import FloatArray, IntArray
 
 # Of the logarithm of a family's standard deviation: a factor of two, either way.
 HYPER_DEVIATION = float(np.log(2.0))
+# A step of the search for it may not leave this far: data that no coefficients explain
+# would have it overflow.
+FARTHEST = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +36,19 @@ class Posterior:
     surprise : float
         Root mean square of `held_out` over what was expected of it: 1 if noise and
         prior suit the data, more if the error bars are too short.
+    misfit_ratio : float
+        Squared misfit |d − A w|² over σ² times `freedom`, what it is on average.
+    freedom : float
+        Degrees of freedom that the fit leaves, tr(I − H), H the matrix from the data to
+        their fit: so many squares of the noise are left on average.
     """
 
     mean: FloatArray
     covariance: FloatArray
     held_out: FloatArray
     surprise: float
+    misfit_ratio: float
+    freedom: float
 
 
 def choose_variances(
@@ -74,7 +84,8 @@ def choose_variances(
         return total, variances * slope + far / HYPER_DEVIATION
 
     start = np.full(len(shares), middle)
-    found = minimize(cost, start, jac=True, method="L-BFGS-B")
+    within = [(middle - FARTHEST, middle + FARTHEST)] * len(shares)
+    found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=within)
     prior: FloatArray = np.exp(2 * found.x)[family]
     return prior
 
@@ -102,11 +113,15 @@ def condition(
     each = np.arange(n)
     own = inverse.reshape(n, k, n, k)[each, :, each]
     held_out = np.linalg.solve(own, alpha[..., None])[..., 0]
+    # I − H = σ² (A Λ Aᵀ + σ² I)⁻¹, so that the misfit is σ² times alpha.
+    freedom = noise**2 * float(np.trace(inverse))
     return Posterior(
         mean=gain @ d.ravel(),
         covariance=np.diag(prior) - gain @ (A * prior),
         held_out=held_out,
-        surprise=float(np.sqrt((held_out * alpha).sum() / d.size)),
+        surprise=float(np.sqrt(max((held_out * alpha).sum(), 0.0) / d.size)),
+        misfit_ratio=float(noise**2 * (alpha**2).sum()) / max(freedom, 1e-12),
+        freedom=freedom,
     )
 
 

@@ -20,10 +20,11 @@ from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.normals import vertex_normals
 from physgnn.geometry.surface import FaceArray, Surface
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.prediction.evidence import LARGEST_SHIFT_MM
 
 # Farther from the brain's surface than this, a point is in other coordinates; a
 # measured surface is as far away as the shift is large.
-SNAP_MM, LARGEST_SHIFT_MM = 10.0, 40.0
+SNAP_MM = 10.0
 N_SURFACE_POINTS = 300  # of a measured surface: one for every 10 mm² of a craniotomy
 
 
@@ -56,9 +57,21 @@ class Observation:
 
 
 class Measurement(Protocol):
-    """Anything that can be compared with a displacement."""
+    """Anything that can be compared with a displacement.
+
+    Attributes
+    ----------
+    kind : str
+        "pairs" or "surface".
+    points : (n, 3) array
+        Where it was measured, mm.
+    distance_mm : float
+        Median distance of the points from the body's surface at rest.
+    """
 
     kind: str
+    points: FloatArray
+    distance_mm: float
 
     def observe(self, displacement: FloatArray) -> Observation:
         """Return what is measured about a displacement (n_points, 3), mm."""
@@ -71,8 +84,10 @@ class MeasuredPairs:
     kind = "pairs"
 
     def __init__(self, mesh: TetMesh, pairs: PointPairs) -> None:
-        self._moved = pairs.displacement
+        self._moved, self.points = pairs.displacement, pairs.source
         self._places = surface_interpolation(mesh, pairs.source)
+        nearest = self._places @ mesh.points
+        self.distance_mm = _median_distance(nearest, pairs.source)
         self._axes = np.tile(np.eye(3), (len(self._moved), 1, 1))
 
     def observe(self, displacement: FloatArray) -> Observation:
@@ -90,19 +105,20 @@ class MeasuredSurface:
         faces = boundary_faces(mesh)
         self._faces = faces[~np.isin(faces, skull).all(axis=1)]
         self._rest = mesh.points
-        self._points = surface.thinned(N_SURFACE_POINTS).points
+        self.points = surface.thinned(N_SURFACE_POINTS).points
         if not len(self._faces):
             raise InputError("the skull holds the whole surface: nothing is exposed")
-        _, nearest = nearest_places(self._rest, self._faces, self._points)
-        _check_distance(self._points, nearest, LARGEST_SHIFT_MM)
+        _, nearest = nearest_places(self._rest, self._faces, self.points)
+        _check_distance(self.points, nearest, LARGEST_SHIFT_MM)
+        self.distance_mm = _median_distance(nearest, self.points)
 
     def observe(self, displacement: FloatArray) -> Observation:
         """Compare each measured point with the deformed surface nearest to it."""
         moved = self._rest + displacement
-        places, nearest = nearest_places(moved, self._faces, self._points)
+        places, nearest = nearest_places(moved, self._faces, self.points)
         normals = places @ vertex_normals(Surface(moved, self._faces))
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        missing = np.einsum("ni,ni->n", normals, self._points - nearest)
+        missing = np.einsum("ni,ni->n", normals, self.points - nearest)
         return Observation(places, normals[:, None, :], missing[:, None])
 
 
@@ -154,6 +170,10 @@ def nearest_places(
     rows = np.repeat(np.arange(len(targets)), 3)
     shape = (len(targets), len(points))
     return csr_array((weights.ravel(), (rows, corners.ravel())), shape), nearest
+
+
+def _median_distance(a: FloatArray, b: FloatArray) -> float:
+    return float(np.median(np.linalg.norm(a - b, axis=1)))
 
 
 def _check_distance(points: FloatArray, nearest: FloatArray, limit: float) -> None:

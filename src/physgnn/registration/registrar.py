@@ -26,8 +26,12 @@ from numpy.typing import NDArray
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.measured import PointPairs, SurfacePoints
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics import deformation_gradient
 from physgnn.mechanics.body import Body
-from physgnn.prediction.prediction import ErrorBound, Prediction, PredictionStatus
+from physgnn.prediction.evidence import Evidence, decide
+from physgnn.prediction.prediction import ErrorBound, Prediction
+from physgnn.registration.fit import fit_of
 from physgnn.registration.gaussian import Posterior, choose_variances, condition
 from physgnn.registration.load_families import load_modes
 from physgnn.registration.measurement import (
@@ -68,7 +72,7 @@ class Registration:
     Attributes
     ----------
     prediction : Prediction
-        Displacement, error estimate, status and time.
+        Displacement, error estimate, status with its reasons, and time.
     deviation_mm : (n_points,) array
         Standard deviation of each point's displacement (root of the trace).
     forces : (n_points, 3) array
@@ -160,10 +164,20 @@ class Registrar:
         lengths = _error_lengths(search.posterior, search.response, seed)
         lengths *= MODEL_ERROR[measurement.kind, self.skull]
         estimate = _estimate(lengths, coverage)
-        status = PredictionStatus.OK if whole else PredictionStatus.TOLERANCE_NOT_MET
+        verdict = decide(
+            Evidence(
+                largest_mm=float(np.linalg.norm(search.u, axis=1).max()),
+                bound_mm=estimate.max_mm,
+                converged=whole,
+                jacobian=_volume_changes(self.body.mesh, search.u),
+                fit=fit_of(measurement, search.u, search.posterior),
+            )
+        )
         seconds = time.perf_counter() - start
         return Registration(
-            prediction=Prediction(search.u, estimate, status, seconds),
+            prediction=Prediction(
+                search.u, estimate, verdict.status, seconds, reasons=verdict.reasons
+            ),
             deviation_mm=np.sqrt((lengths**2).mean(axis=0)),
             forces=_combined(self.modes.forces, search.w),
             misfit_mm=_rms(measurement.observe(search.u).missing),
@@ -272,6 +286,12 @@ def _estimate(lengths: FloatArray, coverage: float) -> ErrorBound:
 
 def _combined(fields: Fields, w: FloatArray) -> FloatArray:
     return np.tensordot(w, fields, 1).astype(np.float64)
+
+
+def _volume_changes(mesh: TetMesh, u: FloatArray) -> tuple[float, float]:
+    """Return the smallest and the largest det F over cells."""
+    J = np.linalg.det(deformation_gradient(mesh, u))
+    return float(J.min()), float(J.max())
 
 
 def _rms(missing: FloatArray) -> float:

@@ -1,4 +1,4 @@
-"""The live view: a page that pushes the brain, and a server that answers."""
+"""The live view: a page to load the brain on, and the server that predicts for it."""
 
 from physgnn.serving.server import serve
 

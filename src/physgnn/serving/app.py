@@ -1,24 +1,24 @@
-"""The web application: a page, its WebSocket, and a load case to keep."""
+"""The web application: a page, its WebSocket, and a load case to save."""
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, suppress
 from pathlib import Path
-from urllib.parse import urlsplit
 
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
 from fastapi.staticfiles import StaticFiles
-from starlette.middleware.trustedhost import TrustedHostMiddleware
 
 from physgnn.errors import InputError
-from physgnn.serving.protocol.messages import MAX_BYTES, read_push
+from physgnn.serving.guard import Guard
+from physgnn.serving.protocol.messages import MAX_BYTES, read_patch_load
 from physgnn.serving.sessions.engine import Engine
 from physgnn.serving.sessions.predictions import load_case
 from physgnn.serving.sessions.session import Session
 
 STATIC = Path(__file__).with_name("static")
-HOSTS = ["127.0.0.1", "localhost", "[::1]"]
+MOST_SESSIONS = 16
+BODY_SECONDS = 10.0  # for a request to be whole
 
 Beside = Callable[[], AbstractAsyncContextManager[None]]
 
@@ -29,7 +29,7 @@ def make_app(engine: Engine, *beside: Beside) -> FastAPI:
     Parameters
     ----------
     engine : Engine
-        Answers for all sessions; closed with the application.
+        Predicts for all sessions; closed with the application.
     *beside : callables
         Contexts to run as long as the application does.
     """
@@ -43,9 +43,8 @@ def make_app(engine: Engine, *beside: Beside) -> FastAPI:
         engine.close()
 
     app = FastAPI(lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
-    # A page elsewhere must not reach this server under another name.
-    app.add_middleware(TrustedHostMiddleware, allowed_hosts=HOSTS)
-    app.middleware("http")(_uncached)
+    page = (STATIC / "index.html").read_text("utf-8")
+    app.add_middleware(Guard, page=page, most_sessions=MOST_SESSIONS)
     app.add_api_route("/", _page, include_in_schema=False)
     app.mount("/static", StaticFiles(directory=STATIC), name="static")
     _add_load_case(app, engine)
@@ -55,31 +54,37 @@ def make_app(engine: Engine, *beside: Beside) -> FastAPI:
 
 def _add_load_case(app: FastAPI, engine: Engine) -> None:
     @app.post("/load-case")
-    async def keep(request: Request) -> Response:
-        """Return the nodal forces of a push, as ``physgnn predict --load`` reads."""
-        content = bytearray()
-        async for part in request.stream():
-            content += part
-            if len(content) > MAX_BYTES:
-                break
+    async def save(request: Request) -> Response:
+        """Return a patch load's nodal forces, as ``physgnn predict --load`` reads."""
         try:
-            case = load_case(engine, read_push(content.decode("utf-8", "replace")))
+            async with asyncio.timeout(BODY_SECONDS):
+                content = await _body(request)
+            case = load_case(engine, read_patch_load(content))
+        except TimeoutError:
+            return JSONResponse({"error": "the request came too slowly"}, 408)
         except InputError as error:
-            return JSONResponse({"error": str(error)}, status_code=422)
+            return JSONResponse({"error": str(error)}, 422)
         return JSONResponse(
             {"nodes": case.nodes.tolist(), "forces_n": case.forces.tolist()}
         )
 
 
+async def _body(request: Request) -> str:
+    """Return what was posted; of too much only the beginning, which is refused."""
+    content = bytearray()
+    async for part in request.stream():
+        content += part
+        if len(content) > MAX_BYTES:
+            break
+    return content.decode("utf-8", "replace")
+
+
 def _add_live(app: FastAPI, engine: Engine) -> None:
     @app.websocket("/live")
     async def live(socket: WebSocket) -> None:
-        if not _same_origin(socket):
-            await socket.close(1008, "only this server's own page may connect")
-            return
         await socket.accept()
         session = Session(engine, socket.send_text, socket.send_bytes)
-        # The browser may leave while an answer is on its way.
+        # The browser may leave while a prediction is on its way.
         with suppress(WebSocketDisconnect, RuntimeError):
             await session.run(_messages(socket))
 
@@ -93,23 +98,8 @@ async def _messages(socket: WebSocket) -> AsyncIterator[str | bytes]:
         yield message.get("bytes") or b"" if text is None else text
 
 
-def _same_origin(socket: WebSocket) -> bool:
-    """Return whether the page comes from here; programs send no origin."""
-    origin = socket.headers.get("origin")
-    return origin is None or urlsplit(origin).netloc == socket.headers.get("host")
-
-
 async def _page() -> FileResponse:
     return FileResponse(STATIC / "index.html")
-
-
-async def _uncached(
-    request: Request, call_next: Callable[[Request], Awaitable[Response]]
-) -> Response:
-    """Have the browser ask again, so that an updated package shows its own page."""
-    response = await call_next(request)
-    response.headers["Cache-Control"] = "no-cache"
-    return response
 
 
 @asynccontextmanager

@@ -1,13 +1,15 @@
 """The deformation as an OpenIGTLink stream, for 3D Slicer and its kin.
 
 Every client gets IMAGE "Displacement" (three float32 components, mm, RAS, 0 outside the
-body) and, where wanted, POLYDATA "Brain", "Tumour", … (the deformed surfaces). Only the
-newest answer is sent, so a slow client sees fewer frames and holds up nobody.
+body), STRING "Status" (what the displacement is called, and why it is not ok if it is
+not) and, where wanted, POLYDATA "Brain", "Tumour", … (the deformed surfaces). Only the
+newest displacement is sent, so a slow client sees fewer frames and holds up nobody.
 """
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
 from functools import partial
 from socket import socket
 from typing import Any
@@ -22,39 +24,57 @@ from physgnn.serving.sessions.engine import Engine
 
 GRID_MM = 4.0  # about the edge length of the meshes: a finer grid shows no more
 PAUSE_SECONDS = 0.04  # between frames of one client
+AT_REST = "at rest"  # what stands for a status before anything was pushed
+
+
+@dataclass(frozen=True, eq=False)
+class Shift:
+    """A displacement, and what it is called."""
+
+    displacement: FloatArray
+    status: str
+
+    @classmethod
+    def of(cls, prediction: Prediction) -> "Shift":
+        """Return a prediction's, with the reasons for its status."""
+        words = [str(prediction.status), "; ".join(prediction.reasons)]
+        text = ": ".join(word for word in words if word)
+        # pyigtl 0.3.4 packs nothing but ASCII.
+        text = text.replace("°", " degrees").encode("ascii", "replace").decode()
+        return cls(prediction.displacement, text)
 
 
 class Newest:
-    """The newest displacement, and a way to wait for the next."""
+    """The newest shift, and a way to wait for the next."""
 
-    def __init__(self, displacement: FloatArray) -> None:
-        self.displacement = displacement
+    def __init__(self, shift: Shift) -> None:
+        self.shift = shift
         self.number = 0
         self._changed = asyncio.Condition()
 
-    async def put(self, displacement: FloatArray) -> None:
+    async def put(self, shift: Shift) -> None:
         """Replace it and wake who waits."""
         async with self._changed:
-            self.displacement, self.number = displacement, self.number + 1
+            self.shift, self.number = shift, self.number + 1
             self._changed.notify_all()
 
-    async def after(self, number: int) -> tuple[int, FloatArray]:
+    async def after(self, number: int) -> tuple[int, Shift]:
         """Return it as soon as it is newer than a number."""
         async with self._changed:
             await self._changed.wait_for(lambda: self.number > number)
-            return self.number, self.displacement
+            return self.number, self.shift
 
 
 @asynccontextmanager
 async def stream(
     engine: Engine, listening: socket, *, surfaces: bool = False
 ) -> AsyncIterator[None]:
-    """Serve every answer of the engine to OpenIGTLink clients.
+    """Serve every prediction of the engine to OpenIGTLink clients.
 
     Parameters
     ----------
     engine : Engine
-        Whose answers.
+        Whose predictions are sent.
     listening : socket
         Bound to an address.
     surfaces : bool
@@ -68,12 +88,12 @@ async def stream(
     _pyigtl()
     mesh = engine.viewed.body.mesh
     grid = await asyncio.to_thread(grid_over, mesh, GRID_MM)
-    newest = Newest(np.zeros_like(mesh.points))
+    newest = Newest(Shift(np.zeros_like(mesh.points), AT_REST))
     pack = partial(_pack, engine, grid, surfaces)
     pending: set[asyncio.Task[None]] = set()
 
     def listen(prediction: Prediction) -> None:
-        task = asyncio.create_task(newest.put(prediction.displacement))
+        task = asyncio.create_task(newest.put(Shift.of(prediction)))
         pending.add(task)
         task.add_done_callback(pending.discard)
 
@@ -90,11 +110,11 @@ async def stream(
 
 async def _send_all(
     newest: Newest,
-    pack: Callable[[FloatArray], bytes],
+    pack: Callable[[Shift], bytes],
     reader: asyncio.StreamReader,
     writer: asyncio.StreamWriter,
 ) -> None:
-    """Send one client every answer it has time for, the present one at once."""
+    """Send one client every prediction it has time for, the present one at once."""
     leaving = asyncio.create_task(_drained(reader))
     number = -1
     with suppress(ConnectionError, asyncio.CancelledError):
@@ -104,8 +124,8 @@ async def _send_all(
             if leaving.done():
                 waiting.cancel()
                 break
-            number, displacement = waiting.result()
-            writer.write(await asyncio.to_thread(pack, displacement))
+            number, shift = waiting.result()
+            writer.write(await asyncio.to_thread(pack, shift))
             await writer.drain()
             await asyncio.sleep(PAUSE_SECONDS)
     leaving.cancel()
@@ -113,19 +133,18 @@ async def _send_all(
 
 
 async def _drained(reader: asyncio.StreamReader) -> None:
-    """Read what a client says, which is of no interest, until it leaves."""
+    """Read and drop what a client sends until it leaves."""
     with suppress(ConnectionError):
         while await reader.read(4096):
             pass
 
 
-def _pack(
-    engine: Engine, grid: SampleGrid, surfaces: bool, displacement: FloatArray
-) -> bytes:
-    pyigtl = _pyigtl()
+def _pack(engine: Engine, grid: SampleGrid, surfaces: bool, shift: Shift) -> bytes:
+    pyigtl, displacement = _pyigtl(), shift.displacement
     field = grid.at(displacement).astype(np.float32)
     messages = [
-        pyigtl.ImageMessage(field, grid.to_world, "ras", device_name="Displacement")
+        pyigtl.ImageMessage(field, grid.to_world, "ras", device_name="Displacement"),
+        pyigtl.StringMessage(shift.status, device_name="Status"),
     ]
     if surfaces:
         shown = engine.shown

@@ -1,10 +1,12 @@
 """Run the live view on this machine."""
 
+import asyncio
 import socket
 from collections.abc import Callable
 from pathlib import Path
 
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from physgnn.errors import InputError
 from physgnn.serving.app import make_app
@@ -14,8 +16,12 @@ from physgnn.serving.sessions.engine import Engine
 
 HOST = "127.0.0.1"
 PORT = 8750
-# Longer messages are refused by `messages`; this only bounds what is read of them.
-MAX_MESSAGE_BYTES = 1 << 20
+# Longer messages are refused by `messages`; these only bound what is read of them.
+MAX_MESSAGE_BYTES = 1 << 16
+MAX_HEADER_BYTES = 1 << 14
+MAX_WAITING = 4  # messages of one client that are read ahead
+MAX_CONNECTIONS = 128
+REQUEST_SECONDS = 10.0  # for the first request to be whole
 
 
 def serve(
@@ -42,7 +48,7 @@ def serve(
     igtl_surfaces : bool
         Stream the deformed surfaces too.
     log : callable
-        Told the addresses.
+        Receives the addresses, a line each.
 
     Raises
     ------
@@ -69,10 +75,30 @@ def make_server(app: object) -> uvicorn.Server:
         uvicorn.Config(
             app,  # type: ignore[arg-type]
             log_level="warning",
+            http=ImpatientProtocol,
+            h11_max_incomplete_event_size=MAX_HEADER_BYTES,
+            limit_concurrency=MAX_CONNECTIONS,
             ws_max_size=MAX_MESSAGE_BYTES,
+            ws_max_queue=MAX_WAITING,
+            ws_per_message_deflate=False,  # it never leaves this machine
+            server_header=False,
             timeout_graceful_shutdown=1,
         )
     )
+
+
+class ImpatientProtocol(H11Protocol):
+    """Closes a connection whose first request does not come."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Start the clock."""
+        super().connection_made(transport)
+        self.loop.call_later(REQUEST_SECONDS, self._give_up, transport)
+
+    def _give_up(self, transport: asyncio.Transport) -> None:
+        begun: object = self.cycle  # uvicorn types it as if there always were one
+        if transport.get_protocol() is self and begun is None:
+            transport.close()
 
 
 def listen(port: int) -> socket.socket:

@@ -2,10 +2,10 @@
 
 ``physgnn simulate case.vtu --preset demo -o loads.zarr`` is
 ``physgnn.simulate("case.vtu", "loads.zarr", preset="demo")``, and so for every command.
-`COMMANDS` names the function of each; it has the command's name but for ``import``,
-which Python keeps for itself. An option's name is the argument's, dashes written as
-underscores, but for those in `OPTIONS`. Beside these a function may take what a
-terminal shows: `CALLBACKS`.
+`COMMANDS` names the function of each; it has the command's name, dashes written as
+underscores, but for ``import``, which Python keeps for itself. An option's name is the
+argument's in the same way, but for those in `OPTIONS`. Beside these a function may take
+what a terminal shows: `CALLBACKS`.
 """
 
 from collections.abc import Mapping
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from physgnn.stages.experiments.bundling import bundle as bundle
     from physgnn.stages.experiments.demonstration import demo as demo
     from physgnn.stages.experiments.reproduction import reproduce as reproduce
+    from physgnn.stages.materials.fitting import fit_material as fit_material
     from physgnn.stages.networks.evaluation import evaluate as evaluate
     from physgnn.stages.networks.published_weights import published as published
     from physgnn.stages.networks.training import train as train
@@ -39,6 +40,7 @@ _HOME = {
     "demo": "experiments.demonstration",
     "evaluate": "networks.evaluation",
     "export": "datasets.exchange",
+    "fit_material": "materials.fitting",
     "import_results": "datasets.exchange",
     "mesh": "patient.meshing",
     "predict": "patient.prediction",
@@ -52,7 +54,7 @@ _HOME = {
 }
 
 COMMANDS: Mapping[str, str] = {
-    name: name for name in _HOME if name != "import_results"
+    name.replace("_", "-"): name for name in _HOME if name != "import_results"
 } | {"import": "import_results"}
 """Command → function of this package."""
 OPTIONS: Mapping[str, str] = {"as": "form", "from": "start"}

@@ -15,9 +15,15 @@ from physgnn.dataset.exchange.exporting import (
 )
 from physgnn.dataset.exchange.importing import import_results
 from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio.model_reader import read_febio
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solver import Solver
+from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
+from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
+from physgnn.mechanics.materials import NeoHookean
 
 NewStore = Callable[..., Store]
 
@@ -160,3 +166,34 @@ def test_the_element_is_recorded(solved: Store, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="element"):
         import_results([tmp_path / "a.npz"], tmp_path / "c.zarr", element="hex8")
     assert not (tmp_path / "c.zarr").exists()
+
+
+def test_febio_with_loads_that_are_no_forces(block: TetMesh, tmp_path: Path) -> None:
+    """Out of a dataset, solved, and into another: the same loads and displacement."""
+    top = block.point_set("loaded")
+    path = LoadPath.of(
+        np.array([0.5, 1.0]),
+        Gravity((0.0, 0.6, -0.8), 1040.0),
+        SurfacePressure(faces_within(block, top[:12]), 100.0),
+        PrescribedDisplacement(
+            top[-2:], np.array([[0.1, 0.0, -0.2], [0.1, 0.1, -0.2]])
+        ),
+    )
+    materials = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
+    made = Store.create(
+        tmp_path / "a.zarr",
+        block,
+        [path],
+        materials=materials,
+        fixed=block.point_set("fixed"),
+        provenance={},
+    )
+    generate(made)
+    export_febio(made.path, tmp_path / "a.feb")
+    run_stand_in(tmp_path / "a.feb")
+    imported = import_results([tmp_path / "a.feb"], tmp_path / "b.zarr")
+    kinds = [type(load) for load in imported.load_path(0).more]
+    assert kinds == [Gravity, SurfacePressure, PrescribedDisplacement]
+    theirs, ours = imported.displacement(0), made.displacement(0)
+    assert np.abs(ours).max() > 0.2
+    assert np.allclose(theirs, ours, rtol=1e-5, atol=1e-7)

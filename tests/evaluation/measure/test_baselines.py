@@ -16,8 +16,8 @@ from physgnn.learning.models import model_class
 from physgnn.learning.reduced_order import local_expansion as reduced
 
 BASELINES = (
-    "zero", "linear", "level_interpolation", "pod_network", "extra_trees",
-    "nodal_network", "galerkin", "reduced",
+    "zero", "linear", "interpolation", "pod-network", "extra-trees",
+    "mlp", "galerkin", "reduced",
 )  # fmt: skip
 
 
@@ -26,7 +26,7 @@ def names(held_out: HeldOut, seeds: tuple[int, ...] = (0,)) -> list[str]:
 
 
 def test_what_is_trained_step_by_step_is_no_baseline(store: Store) -> None:
-    assert baseline_names() == (*BASELINES, "finite_element")
+    assert baseline_names() == (*BASELINES, "finite-element")
     with pytest.raises(InputError, match=r"no baseline 'lifted': .* train it"):
         baseline_rows(["lifted"], HeldOut.of(store, "path"))
 
@@ -37,7 +37,7 @@ def test_baselines_are_offered_where_they_apply(store: Store) -> None:
         names(HeldOut.of(store, split)) for split in ("published", "path", "mesh")
     )
     assert published == [*BASELINES]
-    assert path == [name for name in BASELINES if name != "level_interpolation"]
+    assert path == [name for name in BASELINES if name != "interpolation"]
     assert mesh == ["zero", "linear"]
 
 
@@ -57,7 +57,7 @@ def test_the_reduced_model_stands_beside_loads_on_few_points_unless_named(
 def test_only_what_draws_is_made_for_every_seed(store: Store) -> None:
     offered = names(HeldOut.of(store, "path"), seeds=(3, 4))
     assert offered.count("linear") == 1
-    assert offered.count("extra_trees") == 2
+    assert offered.count("extra-trees") == 2
 
 
 def test_unknown_baseline_names_those_there_are(store: Store) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from physgnn.dataset.storage.store import Store
 from physgnn.evaluation.measure.baselines import baseline_rows
-from physgnn.evaluation.measure.cached_rows import KeptRows
+from physgnn.evaluation.measure.cached_rows import CachedRows
 from physgnn.evaluation.measure.held_out import HeldOut
 from physgnn.evaluation.measure.measuring import evaluate
 from physgnn.evaluation.measure.rows import Row
@@ -23,10 +23,10 @@ def forbidden() -> None:
 
 
 def test_what_was_measured_is_not_made_again(tmp_path: Path, held_out: HeldOut) -> None:
-    kept = KeptRows(tmp_path / "rows", held_out)
+    cached = CachedRows(tmp_path / "rows", held_out)
     (row,) = baseline_rows(["linear"], held_out)
-    first = evaluate([row], held_out, kept=kept)
-    again = evaluate([Row("linear", forbidden)], held_out, kept=kept)
+    first = evaluate([row], held_out, cached=cached)
+    again = evaluate([Row("linear", forbidden)], held_out, cached=cached)
     assert again == first
 
 
@@ -36,16 +36,16 @@ def test_what_was_measured_is_not_made_again(tmp_path: Path, held_out: HeldOut) 
 def test_another_question_has_no_answer(
     tmp_path: Path, held_out: HeldOut, change: dict
 ) -> None:
-    kept = KeptRows(tmp_path, held_out)
+    cached = CachedRows(tmp_path, held_out)
     (row,) = baseline_rows(["zero"], held_out)
-    evaluate([row], held_out, kept=kept)
-    assert kept.get(row) is not None
-    assert kept.get(replace(row, **change)) is None
+    evaluate([row], held_out, cached=cached)
+    assert cached.get(row) is not None
+    assert cached.get(replace(row, **change)) is None
 
 
 def test_other_samples_have_no_answer(tmp_path: Path, held_out: HeldOut) -> None:
     (row,) = baseline_rows(["zero"], held_out)
-    evaluate([row], held_out, kept=KeptRows(tmp_path, held_out))
+    evaluate([row], held_out, cached=CachedRows(tmp_path, held_out))
     for part in ("train", "test"):
         fewer = replace(held_out, **{part: getattr(held_out, part)[1:]})
-        assert KeptRows(tmp_path, fewer).get(row) is None
+        assert CachedRows(tmp_path, fewer).get(row) is None

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.evaluation.measure.rows import certified, run_rows
+from physgnn.evaluation.measure.rows import repaired_row, run_rows
 from physgnn.learning.runs.checkpoint import FORMAT_VERSION
 from physgnn.learning.runs.folder import RunFolder
 
@@ -80,11 +80,15 @@ def test_no_run_is_refused(tmp_path: Path) -> None:
         run_rows([tmp_path], store=None)
 
 
-def test_certified_differs_in_name_and_tolerance_alone(tmp_path: Path) -> None:
+def test_a_repaired_row_differs_in_name_and_tolerance_alone(tmp_path: Path) -> None:
     (row,) = run_rows([fake_run(tmp_path / "run", 0)], store=None)
-    kept = certified(row, 0.1)
-    assert (kept.name, kept.tolerance_mm) == ("certified", 0.1)
-    assert (kept.seed, kept.origin, kept.make) == (row.seed, row.origin, row.make)
+    repaired = repaired_row(row, 0.1)
+    assert (repaired.name, repaired.tolerance_mm) == ("certified", 0.1)
+    assert (repaired.seed, repaired.origin, repaired.make) == (
+        row.seed,
+        row.origin,
+        row.make,
+    )
 
 
 def test_answers_of_another_precision_are_kept_apart(tmp_path: Path) -> None:

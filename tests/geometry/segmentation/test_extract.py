@@ -115,7 +115,10 @@ def test_a_piece_of_tumour_far_from_the_brain_is_dropped_with_its_island() -> No
     data = labels.data.copy()
     data[1:6, 1:6, 1:6] = 4  # 1 ml
     found = extract_surfaces(LabelVolume(data, labels.affine), TABLE)
-    assert found.notes == ("brain: 1 islands dropped, 1.00 ml",)
+    assert found.notes == (
+        "brain: 1 islands dropped, 1.00 ml",
+        "tumour: apart from the brain, so dropped with it, 1.00 ml",
+    )
     assert len(found.tumours) == 1
     check_whole(found)
 

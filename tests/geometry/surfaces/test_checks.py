@@ -52,6 +52,51 @@ def test_collapsed_faces_and_unused_points_are_dropped_and_said(sphere) -> None:
     ]
 
 
+@pytest.mark.parametrize("corners", [[0, 1, 2], [1, 2, 0], [2, 1, 0]])
+def test_a_face_that_comes_twice_is_refused(sphere, corners: list[int]) -> None:  # type: ignore[no-untyped-def]
+    body = sphere()
+    faces = np.concatenate([body.faces, body.faces[3:4, corners]])
+    with pytest.raises(InputError, match="non-manifold"):
+        check_surface(Surface(body.points, faces), "brain")
+
+
+# From points, faces and a number below 12 to something wrong with them, or harmless.
+MUTATIONS = {
+    "shifted": lambda p, f, i: (p, f + 2**32 * (np.arange(len(f)) == i)[:, None]),
+    "as floats": lambda p, f, _: (p, f + 0.0),
+    "twice": lambda p, f, i: (p, np.concatenate([f, f[i : i + 1]])),
+    "lost": lambda p, f, i: (p, np.delete(f, i, axis=0)),
+    "turned": lambda p, f, i: (p, np.concatenate([f[:i], f[i:, ::-1]])),
+    "collapsed": lambda p, f, i: (p, np.concatenate([f, f[i : i + 1, [0, 0, 1]]])),
+    "nan": lambda p, f, i: (np.concatenate([p[:i], np.nan * p[i:]]), f),
+    "complex": lambda p, f, _: (p + 0j, f),
+    "inside out": lambda p, f, _: (-p, f),
+    "in other units": lambda p, f, _: (p / 1e6, f),
+    "moved": lambda p, f, i: (p + 30.0 * (np.arange(len(p)) == i)[:, None], f),
+    "one point more": lambda p, f, i: (np.concatenate([p, p[i : i + 1]]), f),
+}
+
+
+@given(
+    st.lists(
+        st.tuples(st.sampled_from(sorted(MUTATIONS)), st.integers(0, 11)), max_size=4
+    )
+)
+def test_a_mutated_surface_is_refused_or_closed(sphere, steps) -> None:  # type: ignore[no-untyped-def]
+    body = sphere(refinements=0)
+    points, faces = body.points, body.faces.astype(np.int64)
+    try:
+        for name, i in steps:
+            points, faces = MUTATIONS[name](points, faces, i % len(faces))
+        checked, _ = check_surface(Surface(points, faces), "brain")
+    except InputError as error:
+        assert "\n" not in str(error)
+        return
+    assert volume(checked) > 0
+    edge_uses = np.sort(checked.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
+    assert (np.unique(edge_uses, axis=0, return_counts=True)[1] == 2).all()
+
+
 def opened(body: Surface) -> Surface:
     return Surface(body.points, body.faces[1:])
 

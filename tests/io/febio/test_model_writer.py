@@ -154,7 +154,7 @@ def written(tmp_path: Path, block: TetMesh) -> Path:
         ('node id="9"', 'node id="999"', "node 9 is not among the nodes"),
         ("<Boundary>", "<Contact><contact/></Contact><Boundary>", "section <Contact>"),
         ("</Mesh>", "", "expected a FEBio model"),
-        ("<time_steps>2", "<time_steps>two", "an entry is missing or no number"),
+        ("<time_steps>2", "<time_steps>two", "'two'"),
     ],
 )
 def test_what_does_not_fit_is_named(

@@ -1,11 +1,13 @@
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.io.medical.markups import read_point_pairs
+from physgnn.io.medical.markups import read_point_pairs, read_points
+from physgnn.io.medical.pairing import MarkedPoint, paired
 
 SOURCE = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.5], [-7.0, 8.0, 9.0]])
 TARGET = SOURCE + np.array([0.5, -1.0, 2.0])
@@ -99,7 +101,7 @@ def test_bad_files_are_refused(tmp_path: Path) -> None:
         (written("header.csv", "x,y,z\n1,2,3\n"), "header must name"),
         (written("none.fcsv", "1,2,3,4\n"), "CoordinateSystem"),
         (written("bad.mrk.json", "{}"), "no markups"),
-        (written("text.mrk.json", "x"), "no markups"),
+        (written("text.mrk.json", "x"), "expected JSON"),
         (mrk_json(tmp_path / "one.mrk.json", SOURCE), "targets too"),
         (
             mrk_json(tmp_path / "hfs.mrk.json", SOURCE, TARGET, system="HFS"),
@@ -110,3 +112,73 @@ def test_bad_files_are_refused(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=message) as caught:
             read_point_pairs(path)
         assert "\n" not in str(caught.value) and path.name in str(caught.value)
+
+
+AXES = np.array([-1.0, -1.0, 1.0])
+
+
+def marked_fcsv(path: Path, points: np.ndarray, states: dict[int, str]) -> Path:
+    """Write as Slicer 5.6 does; a state is what stands for vis, sel and position."""
+    rows = ["# Markups fiducial file version = 5.6", "# CoordinateSystem = LPS"]
+    for i, (x, y, z) in enumerate(points * AXES):
+        vis, sel, placed = states.get(i, "112")
+        rows.append(
+            f"{i},{x},{y},{z},0,0,0,1,{vis},{sel},0,P{i} \xe9,,,{placed},0"  # Latin-1
+        )
+    path.write_bytes("\n".join(rows).encode("latin-1"))
+    return path
+
+
+def marked_json(path: Path, points: np.ndarray, states: dict[int, str]) -> Path:
+    controls = []
+    for i, point in enumerate(points * AXES):
+        vis, sel, placed = states.get(i, "112")
+        controls.append(
+            {
+                "label": f"P{i} \xe9",
+                "position": point.tolist() if placed == "2" else None,
+                "positionStatus": "defined" if placed == "2" else "undefined",
+                "visibility": vis == "1",
+                "selected": sel == "1",
+            }
+        )
+    path.write_text(json.dumps({"markups": [{"controlPoints": controls}]}), "utf-8-sig")
+    return path
+
+
+@pytest.mark.parametrize("write", [marked_fcsv, marked_json])
+def test_a_point_that_is_left_out_takes_its_partner_along(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    points = np.random.default_rng(0).normal(size=(9, 3))
+    suffix = ".fcsv" if write is marked_fcsv else ".mrk.json"
+    before = write(tmp_path / f"s{suffix}", points, {2: "110", 4: "102"})
+    after = write(tmp_path / f"t{suffix}", points + 1.0, {5: "012"})
+    said: list[str] = []
+    pairs = read_point_pairs(before, after, log=said.append)
+    left = np.delete(points, [2, 4, 5], axis=0)
+    np.testing.assert_allclose(pairs.source, left)
+    np.testing.assert_allclose(pairs.target, left + 1.0)
+    for i, why in ((2, "not placed"), (4, "not selected"), (5, "hidden")):
+        assert any(f"'P{i} \xe9' left out: {why}" in line for line in said)
+    np.testing.assert_allclose(read_points(before), np.delete(points, [2, 4], axis=0))
+
+
+def test_labels_pair_lists_in_any_order() -> None:
+    points = [MarkedPoint(name, np.full(3, float(i))) for i, name in enumerate("abcd")]
+    source, target, lines = paired(points, [*points[:2], points[3]][::-1])
+    np.testing.assert_array_equal(source, target)
+    assert len(source) == 3 and lines == ["pair 'c' left out: without a partner"]
+
+
+def test_lists_without_common_labels_pair_by_their_order() -> None:
+    def points(*names: str) -> list[MarkedPoint]:
+        return [MarkedPoint(n, np.full(3, float(i))) for i, n in enumerate(names)]
+
+    for other in (points("p", "q", "r"), points("", "", ""), points("p", "p", "a")):
+        source, target, _ = paired(points("a", "b", "c"), other)
+        np.testing.assert_array_equal(source, target)
+    with pytest.raises(InputError, match="labels of source and target must match"):
+        paired(points("a", "b", "c"), points("a", "x", "y"))
+    with pytest.raises(InputError, match="needs its target"):
+        paired(points("", ""), points("", "", ""))

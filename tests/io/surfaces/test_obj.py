@@ -29,8 +29,8 @@ def test_every_way_to_name_a_corner(tmp_path: Path, kind: str) -> None:
         (POINTS, "no 'v' and 'f' lines"),
         (POINTS + "f 1 2 9\n", "must index 0…3"),
         (POINTS + "f 1 2 -9\n", "must index 0…3"),
-        (POINTS + "f a b c\n", "a line cannot be read"),
-        (POINTS + "v 1 2 x\nf 1 2 3\n", "a line cannot be read"),
+        (POINTS + "f a b c\n", "cannot be read"),
+        (POINTS + "v 1 2 x\nf 1 2 3\n", "cannot be read"),
         (POINTS + "v 1 2 nan\nf 1 2 3\n", "finite"),
     ],
 )

@@ -35,8 +35,8 @@ def test_round_trip(simulation: Simulation, tmp_path: Path) -> None:
     assert np.array_equal(again.load_path.nodes, simulation.load_path.nodes)
     assert np.allclose(again.load_path.forces, simulation.load_path.forces, rtol=1e-15)
     assert np.array_equal(again.load_path.load_factors, FACTORS)
-    expected = simulation.answer().displacement
-    assert np.array_equal(again.answer().displacement, expected)
+    expected = simulation.read_solution().displacement
+    assert np.array_equal(again.read_solution().displacement, expected)
 
 
 def elsewhere(
@@ -44,7 +44,7 @@ def elsewhere(
 ) -> None:
     """Write as another program would: legacy VTK, no field data, unpadded names."""
     folder.mkdir()
-    solution, mesh = simulation.answer(), simulation.mesh
+    solution, mesh = simulation.read_solution(), simulation.mesh
     for level in range(3):
         grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
         grid.cell_data["region"] = mesh.region
@@ -66,8 +66,8 @@ def test_of_another_program(simulation: Simulation, tmp_path: Path) -> None:
     assert np.allclose(again.load_path.load_factors, FACTORS / 0.75, rtol=1e-14)
     forces = simulation.load_path.forces * 0.75
     assert np.allclose(again.load_path.forces, forces, rtol=1e-14)
-    expected = simulation.answer().displacement
-    assert np.array_equal(again.answer().displacement, expected)
+    expected = simulation.read_solution().displacement
+    assert np.array_equal(again.read_solution().displacement, expected)
 
 
 def drop(name: str) -> Callable[[int, pv.DataSet], None]:
@@ -115,7 +115,7 @@ def test_what_does_not_fit(
 ) -> None:
     elsewhere(tmp_path / "path", simulation, change)
     with pytest.raises(InputError) as error:
-        read_series(tmp_path / "path")[0].answer()
+        read_series(tmp_path / "path")[0].read_solution()
     assert message in str(error.value)
 
 
@@ -131,5 +131,5 @@ def test_nothing_is_left_of_what_failed(simulation: Simulation, tmp_path: Path) 
         raise InputError("no result yet")
 
     with pytest.raises(InputError, match="no result yet"):
-        write_series(tmp_path / "path", replace(simulation, answer=pending))
+        write_series(tmp_path / "path", replace(simulation, read_solution=pending))
     assert list(tmp_path.iterdir()) == []

@@ -23,7 +23,7 @@ from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.materials import NeoHookean
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
-OPTIONS = {"anchors": 2, "reach": 2, "width": 8, "layers": 2, "modes": 3}
+OPTIONS = {"anchors": 2, "k_hops": 2, "width": 8, "layers": 2, "pod_modes": 3}
 
 
 def slab(block: TetMesh) -> TetMesh:
@@ -60,7 +60,7 @@ def predict(model: LiftedModel, load_case: LoadCase) -> Tensor:
 
 @pytest.fixture(params=[0, 3], ids=["local only", "with modes"])
 def model(block: TetMesh, request: pytest.FixtureRequest) -> LiftedModel:
-    options = {**OPTIONS, "modes": request.param}
+    options = {**OPTIONS, "pod_modes": request.param}
     return with_random_weights(LiftedModel(body_of(slab(block)), **options))
 
 
@@ -103,7 +103,7 @@ def test_turning_body_and_load_turns_the_answer(model: LiftedModel) -> None:
     turn *= np.sign(np.linalg.det(turn))
     points = mesh.points @ turn.T + 30.0
     turned = TetMesh(points, mesh.cells, mesh.region, mesh.point_sets)
-    options = {**OPTIONS, "modes": len(model.modes)}
+    options = {**OPTIONS, "pod_modes": len(model.modes)}
     other = LiftedModel(body_of(turned), **options)
     other.load_state_dict(model.state_dict())
     case = load_of(mesh)
@@ -122,7 +122,7 @@ def test_node_order_does_not_matter(model: LiftedModel) -> None:
         mesh.region,
         {name: rank[ids] for name, ids in mesh.point_sets.items()},
     )
-    options = {**OPTIONS, "modes": len(model.modes)}
+    options = {**OPTIONS, "pod_modes": len(model.modes)}
     other = LiftedModel(body_of(shuffled), **options)
     state = model.state_dict()
     for name in ("anchor_states", "modes"):
@@ -157,7 +157,7 @@ def test_fit_marks_only_points_near_loads_and_fills_modes(
 def test_a_trained_checkpoint_reloads_bit_for_bit(
     store: Store, split: Split, tmp_path: Path, modes: int
 ) -> None:
-    options = {**OPTIONS, "modes": modes}
+    options = {**OPTIONS, "pod_modes": modes}
     config = TrainingConfig(
         model="lifted", options=options, max_epochs=2, batch_size=4, learning_rate=1e-3
     )

@@ -11,7 +11,7 @@ from torch import Tensor
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.learning.physgnn.network import N_LAYERS, PhysGNN
-from physgnn.learning.physgnn.pruning import KEPT_REACHES, Reach
+from physgnn.learning.physgnn.pruning import NEIGHBOURHOODS_CACHED, LoadNeighbourhood
 
 
 @pytest.fixture(scope="module")
@@ -122,11 +122,15 @@ def test_reach_orders_points_by_hops_and_cuts_there(graph: Graph) -> None:
     nodes = [0, 400]
     loaded = torch.zeros(graph.n_points, dtype=torch.bool)
     loaded[nodes] = True
-    reach = Reach.of(graph, loaded, N_LAYERS)
+    neighbourhood = LoadNeighbourhood.of(graph, loaded, N_LAYERS)
     hops = distance(graph, nodes)
-    assert (hops[reach.order].diff() >= 0).all()
-    assert torch.equal(reach.order[reach.place], torch.arange(graph.n_points))
-    for k, (near, far) in enumerate(zip(reach.near, reach.far, strict=True), start=1):
+    assert (hops[neighbourhood.order].diff() >= 0).all()
+    assert torch.equal(
+        neighbourhood.order[neighbourhood.place], torch.arange(graph.n_points)
+    )
+    for k, (near, far) in enumerate(
+        zip(neighbourhood.near, neighbourhood.far, strict=True), start=1
+    ):
         assert near.n_points == (hops <= k).sum()
         assert near.n_columns == (hops <= k + 1).sum()
         assert far.n_points == (hops > k).sum()
@@ -144,7 +148,9 @@ def test_what_predicting_kept_serves_for_training(
     network(x, graph).sum().backward()
 
 
-def test_a_load_that_just_reaches_everything(graph: Graph, network: PhysGNN) -> None:
+def test_a_load_that_just_neighbourhoods_everything(
+    graph: Graph, network: PhysGNN
+) -> None:
     hops = distance(graph, [0])
     ordered = graph.reordered(torch.argsort(hops, stable=True))
     n_inside = int((hops <= N_LAYERS).sum())
@@ -171,7 +177,7 @@ def test_a_prediction_stays_as_it_is_when_the_next_uses_its_memory(
         torch.testing.assert_close(x, expected.detach(), rtol=1e-5, atol=1e-6)
 
 
-def test_of_many_loads_only_the_last_graphs_are_kept(
+def test_of_many_loads_only_the_last_graphs_are_cached(
     network: PhysGNN, graph: Graph
 ) -> None:
     """At once: they are many megabytes, few objects, and no collector hurries."""
@@ -179,13 +185,15 @@ def test_of_many_loads_only_the_last_graphs_are_kept(
     seen = []
     gc.disable()
     try:
-        for node in range(KEPT_REACHES + 4):
+        for node in range(NEIGHBOURHOODS_CACHED + 4):
             x = loaded_features(graph, batch=4, nodes=[node])
             network(x, graph).sum().backward()
-            (*_, (_, reach)) = network.pruning._reaches.values()
-            seen += [weakref.ref(cut) for cut in (*reach.near, *reach.far)]
-            del reach
+            (*_, (_, neighbourhood)) = network.pruning._neighbourhoods.values()
+            seen += [
+                weakref.ref(cut) for cut in (*neighbourhood.near, *neighbourhood.far)
+            ]
+            del neighbourhood
         alive = sum(ref() is not None for ref in seen)
     finally:
         gc.enable()
-    assert alive == 2 * N_LAYERS * KEPT_REACHES
+    assert alive == 2 * N_LAYERS * NEIGHBOURHOODS_CACHED

@@ -70,7 +70,7 @@ def test_an_anchors_own_load_gets_its_state(block: TetMesh) -> None:
 def test_an_anchor_brings_loads_near_it_nearer(block: TetMesh) -> None:
     path = LoadPath(push(block).nodes, PUSH, np.array([1.0]))
     truth = solve(block, path, materials=MATERIALS, options=EXACT).displacement[0]
-    from_rest = answer(ReducedModel(body_of(block), reach_from_rest=1), push(block))
+    from_rest = answer(ReducedModel(body_of(block), k_hops_from_rest=1), push(block))
     anchored = answer(with_anchor(block, 0.8), push(block))
     linear = RestState(Body(block, MATERIALS)).solve(
         push(block).on_points(block.n_points)
@@ -127,7 +127,7 @@ def test_the_order_of_points_does_not_matter(block: TetMesh) -> None:
 
 @pytest.mark.parametrize(
     ("name", "options"),
-    [("reduced", {"anchors": 3}), ("galerkin", {"modes": 3, "reach": 1})],
+    [("reduced", {"anchors": 3}), ("galerkin", {"pod_modes": 3, "k_hops": 1})],
 )
 def test_a_run_is_fitted_saved_and_predicts(
     store: Store, split: Split, tmp_path: Path, name: str, options: dict[str, int]
@@ -153,7 +153,7 @@ def test_there_are_no_more_anchors_than_memory_holds(
         assert model.loads.any(axis=(1, 2)).sum() == n_anchors
 
 
-@pytest.mark.parametrize("options", [{"anchors": -1}, {"together": 0}])
+@pytest.mark.parametrize("options", [{"anchors": -1}, {"nearest_anchors": 0}])
 def test_options_out_of_range_are_refused(
     block: TetMesh, options: dict[str, int]
 ) -> None:

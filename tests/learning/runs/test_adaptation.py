@@ -24,7 +24,7 @@ from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.materials import NeoHookean
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
-OPTIONS = {"anchors": 2, "reach": 2, "width": 8, "layers": 2, "modes": 0}
+OPTIONS = {"anchors": 2, "k_hops": 2, "width": 8, "layers": 2, "pod_modes": 0}
 CONFIG = TrainingConfig(model="lifted", options=OPTIONS, max_epochs=1)
 STRETCH = np.diag([1.0, 1.4, 2.1]) + np.array([[0, 0.2, 0.1], [0, 0, 0.3], [0, 0, 0]])
 
@@ -144,10 +144,10 @@ def test_it_reloads_and_still_names_the_meshes_it_was_trained_on(
 def test_a_network_that_belongs_to_its_mesh_is_refused(
     store: Store, split: Split, tmp_path: Path
 ) -> None:
-    options = {**OPTIONS, "modes": 2}
+    options = {**OPTIONS, "pod_modes": 2}
     trained = train(store, split, replace(CONFIG, options=options), tmp_path / "run")
     mesh = patient()
     body = Body(mesh, MATERIALS, mesh.point_set("fixed"))
     forces = np.stack([case.on_points(mesh.n_points) for case in loads(mesh)])
-    with pytest.raises(InputError, match="modes = 0"):
+    with pytest.raises(InputError, match="pod_modes = 0"):
         adapt(trained, body, forces)

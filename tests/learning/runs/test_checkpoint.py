@@ -48,7 +48,7 @@ def test_leaves_no_unfinished_file(checkpoint: Checkpoint, tmp_path: Path) -> No
     checkpoint.save(tmp_path)
     checkpoint.save(tmp_path)
     files = {file.name for file in tmp_path.iterdir() if file.suffix != ".zarr"}
-    assert files == {"weights.safetensors", "run.json", "case.vtu"}
+    assert files == {"weights.safetensors", "run.json", "case.vtu", "manifest.json"}
 
 
 def test_refuses_another_mesh(checkpoint: Checkpoint, tmp_path: Path) -> None:

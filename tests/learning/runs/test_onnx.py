@@ -51,8 +51,8 @@ def test_onnxruntime_gives_the_same(store: Store, tmp_path: Path) -> None:
 
 
 def test_refuses_a_model_that_needs_a_solver(store: Store, tmp_path: Path) -> None:
-    model = build_model("lifted", store.body, anchors=0, modes=0)
-    config = {"model": "lifted", "options": {"anchors": 0, "modes": 0}}
+    model = build_model("lifted", store.body, anchors=0, pod_modes=0)
+    config = {"model": "lifted", "options": {"anchors": 0, "pod_modes": 0}}
     Checkpoint(model, {"config": config}).save(tmp_path / "run")
     with pytest.raises(InputError, match="only PhysGNN"):
         export_onnx(tmp_path / "run", tmp_path / "model.onnx")

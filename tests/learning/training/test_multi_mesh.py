@@ -26,7 +26,7 @@ from physgnn.learning.training.multi_mesh import (
 from physgnn.learning.training.training_run import train
 from physgnn.mechanics.equilibrium.solution import Solution
 
-OPTIONS = {"anchors": 2, "reach": 2, "width": 8, "layers": 2, "modes": 0}
+OPTIONS = {"anchors": 2, "k_hops": 2, "width": 8, "layers": 2, "pod_modes": 0}
 CONFIG = TrainingConfig(
     model="lifted", options=OPTIONS, max_epochs=2, batch_size=4, learning_rate=1e-3
 )
@@ -118,8 +118,8 @@ def test_models_share_weights_and_nothing_else(stores: list[Store]) -> None:
 
 def test_what_belongs_to_a_body_is_not_shared(stores: list[Store]) -> None:
     members = training_meshes(stores, split_meshes(stores))
-    with pytest.raises(InputError, match="modes = 0"):
-        build_models(members, replace(CONFIG, options={**OPTIONS, "modes": 3}))
+    with pytest.raises(InputError, match="pod_modes = 0"):
+        build_models(members, replace(CONFIG, options={**OPTIONS, "pod_modes": 3}))
     with pytest.raises(InputError, match="learns from one body"):
         build_models(members, TrainingConfig(options={"width": 8}))
 

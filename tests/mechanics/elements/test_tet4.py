@@ -151,6 +151,14 @@ def test_every_cell_follows_its_own_law():
         np.testing.assert_allclose(internal_force(mixed, u)[0], halves, atol=1e-15)
 
 
+@pytest.mark.parametrize("shape", [(MESH.n_points - 1, 3), (MESH.n_points, 2), (3,)])
+def test_kernels_get_one_row_a_point(shape):
+    elements = make_elements(MESH, MATERIALS)
+    for kernel in (internal_force, strain_energy):
+        with pytest.raises(InputError, match="one row a point"):
+            kernel(elements, np.zeros(shape))
+
+
 def test_a_region_without_material_is_refused():
     with pytest.raises(InputError, match="region 1 has no material"):
         make_elements(MESH, {0: MATERIALS[0]})

@@ -1,4 +1,4 @@
-"""Whatever it starts from, an approach ends in the equilibrium of the load path."""
+"""Whatever it starts from, an warm_start ends in the equilibrium of the load path."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def solved(block):
 
 
 @pytest.fixture(scope="module")
-def approach(block) -> WarmStartSolver:
+def warm_start(block) -> WarmStartSolver:
     return WarmStartSolver(Body(block, MATERIALS))
 
 
@@ -56,19 +56,21 @@ def guesses(states: np.ndarray) -> dict[str, np.ndarray | None]:
 
 
 @pytest.mark.parametrize("name", guesses(np.zeros((2, 1, 3))))
-def test_the_guess_does_not_show_in_the_answer(approach, solved, name):
+def test_the_guess_does_not_show_in_the_answer(warm_start, solved, name):
     case, states = solved
-    found = approach.solve(case, guesses(states)[name], tolerance_mm=TOLERANCE_MM)
+    found = warm_start.solve(case, guesses(states)[name], tolerance_mm=TOLERANCE_MM)
     assert found.status == Status.CONVERGED
     error = np.linalg.norm(found.displacement - states[-1], axis=1).max()
     assert error < TOLERANCE_MM
 
 
-def test_what_converges_is_within_the_tolerance_of_full_newton(block, approach, solved):
+def test_what_converges_is_within_the_tolerance_of_full_newton(
+    block, warm_start, solved
+):
     case, states = solved
     newton = Newton(Body(block, MATERIALS))
     for tolerance_mm in (1e-1, 1e-2, 1e-4):
-        found = approach.solve(case, states[4], tolerance_mm=tolerance_mm)
+        found = warm_start.solve(case, states[4], tolerance_mm=tolerance_mm)
         exact = newton.solve(case, found.displacement)
         assert exact is not None
         error = np.linalg.norm(found.displacement - exact, axis=1).max()
@@ -79,43 +81,43 @@ def test_known_states_do_not_change_the_answer(block, solved):
     case, states = solved
     body = Body(block, MATERIALS)
     known = ReferenceState.of(body, states[4])
-    approach = WarmStartSolver(body, known=lambda _: known)
+    warm_start = WarmStartSolver(body, nearest=lambda _: known)
     wild = states[4] + np.random.default_rng(1).normal(size=states[4].shape)
-    found = approach.solve(case, wild, tolerance_mm=TOLERANCE_MM)
+    found = warm_start.solve(case, wild, tolerance_mm=TOLERANCE_MM)
     assert found.status == Status.CONVERGED
     np.testing.assert_allclose(found.displacement, states[-1], atol=TOLERANCE_MM)
 
 
-def test_a_good_guess_costs_one_factorisation_and_one_to_prove_it(approach, solved):
+def test_a_good_guess_costs_one_factorisation_and_one_to_prove_it(warm_start, solved):
     case, states = solved
-    found = approach.solve(case, states[-1] * 1.001, tolerance_mm=TOLERANCE_MM)
+    found = warm_start.solve(case, states[-1] * 1.001, tolerance_mm=TOLERANCE_MM)
     assert found.origin == "guess"
     assert found.counts["factorisations"] == 2
-    again = approach.solve(case, found.displacement, tolerance_mm=TOLERANCE_MM)
+    again = warm_start.solve(case, found.displacement, tolerance_mm=TOLERANCE_MM)
     assert again.counts["factorisations"] == 1, "it proves itself"
 
 
-def test_a_load_without_equilibrium_is_no_good_answer(block, approach, solved):
+def test_a_load_without_equilibrium_is_no_good_answer(block, warm_start, solved):
     case, states = solved
     crushing = LoadCase(case.nodes, -1e4 * case.forces)
-    found = approach.solve(crushing, states[-1], tolerance_mm=TOLERANCE_MM)
+    found = warm_start.solve(crushing, states[-1], tolerance_mm=TOLERANCE_MM)
     assert found.status != Status.CONVERGED
     assert np.isfinite(found.displacement).all()
     assert not found.displacement[block.point_set("fixed")].any()
 
 
-def test_the_same_every_time(approach, solved):
+def test_the_same_every_time(warm_start, solved):
     case, states = solved
     first, second = (
-        approach.solve(case, states[3], tolerance_mm=TOLERANCE_MM).displacement
+        warm_start.solve(case, states[3], tolerance_mm=TOLERANCE_MM).displacement
         for _ in range(2)
     )
     np.testing.assert_array_equal(first, second)
 
 
-def test_what_converges_is_stable(block, approach, solved):
+def test_what_converges_is_stable(block, warm_start, solved):
     case, states = solved
-    found = approach.solve(case, -states[-1], tolerance_mm=TOLERANCE_MM)
+    found = warm_start.solve(case, -states[-1], tolerance_mm=TOLERANCE_MM)
     pattern = make_pattern(block.cells, block.n_points, block.point_set("fixed"))
     elements = make_elements(block, MATERIALS)
     data, _ = assemble_tangent(elements, pattern, found.displacement)
@@ -129,26 +131,34 @@ def test_of_two_equilibria_the_load_reaches_the_one_followed_to():
     force = 0.15 * np.array([[0.552, -0.006, -0.834]])
     path = LoadPath(np.array([64]), force, np.arange(1, 31) / 30)
     states = solve(mesh, path, materials=materials).displacement
-    approach = WarmStartSolver(Body(mesh, materials))
-    misled = approach.solve(path.case(26), states[-1], tolerance_mm=TOLERANCE_MM)
+    warm_start = WarmStartSolver(Body(mesh, materials))
+    misled = warm_start.solve(path.case(26), states[-1], tolerance_mm=TOLERANCE_MM)
     assert misled.status == Status.CONVERGED, "a stable equilibrium, but another one"
     assert np.linalg.norm(misled.displacement - states[26], axis=1).max() > 5.0
     for level in (26, 28):  # before it snaps and after
-        followed = approach.solve(path.case(level), tolerance_mm=TOLERANCE_MM)
+        followed = warm_start.solve(path.case(level), tolerance_mm=TOLERANCE_MM)
         assert followed.origin == "path"
         np.testing.assert_allclose(followed.displacement, states[level], atol=1e-3)
-        begun = approach.solve(
-            path.case(level), 0.99 * states[14], share=0.5, tolerance_mm=TOLERANCE_MM
+        begun = warm_start.solve(
+            path.case(level),
+            0.99 * states[14],
+            load_fraction=0.5,
+            tolerance_mm=TOLERANCE_MM,
         )
         assert begun.origin == "path"
         np.testing.assert_allclose(begun.displacement, states[level], atol=1e-3)
 
 
-def test_the_last_try_reaches_what_the_solver_reaches_and_nothing_else():
-    """Loads near snap-throughs, where short steps and a tight tolerance decide."""
+def test_the_last_try_reaches_what_the_solver_reaches_and_nothing_but_equilibria():
+    """Loads near snap-throughs, where short steps and a tight tolerance decide.
+
+    Rounding, which differs between processors, may decide whether a snap-through is
+    passed. What is found where the solver stops must then be an equilibrium.
+    """
     mesh, rng = block_mesh(4), np.random.default_rng(1)
     materials = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
-    approach = WarmStartSolver(Body(mesh, materials))
+    body = Body(mesh, materials)
+    warm_start, newton = WarmStartSolver(body), Newton(body)
     snaps = 0
     for node in rng.choice(mesh.point_set("loaded"), 12, replace=False):
         direction = rng.normal(size=3)
@@ -157,21 +167,24 @@ def test_the_last_try_reaches_what_the_solver_reaches_and_nothing_else():
         solution = solve(mesh, path, materials=materials)
         snaps += "snapped" in solution.message
         for level in (29, 10):
-            found = approach.solve(path.case(level), tolerance_mm=0.1)
+            found = warm_start.solve(path.case(level), tolerance_mm=0.1)
             solved = solution.status[level] == Status.CONVERGED
-            assert (found.status == Status.CONVERGED) == solved
             if solved:
+                assert found.status == Status.CONVERGED
                 missed = found.displacement - solution.displacement[level]
                 assert np.abs(missed).max() < 0.1
+            elif found.status == Status.CONVERGED:
+                away_mm = newton.distance(path.case(level), found.displacement)
+                assert away_mm < 0.1
     assert snaps >= 3
 
 
 def test_the_rest_of_a_load_is_followed_from_the_share_a_guess_belongs_to(
-    approach, solved
+    warm_start, solved
 ):
     case, states = solved
     begun, from_rest, far = (
-        approach.solve(case, guess, share=share, tolerance_mm=TOLERANCE_MM)
+        warm_start.solve(case, guess, load_fraction=share, tolerance_mm=TOLERANCE_MM)
         for guess, share in ((states[7], 0.8), (None, 0.0), (0.5 * states[7], 0.8))
     )
     for found in (begun, from_rest, far):
@@ -183,8 +196,8 @@ def test_the_rest_of_a_load_is_followed_from_the_share_a_guess_belongs_to(
     assert far.counts["residuals"] > from_rest.counts["residuals"], "not trusted"
 
 
-def test_a_guess_far_from_where_it_leads_is_not_trusted(approach, solved):
+def test_a_guess_far_from_where_it_leads_is_not_trusted(warm_start, solved):
     case, states = solved
-    far = approach.solve(case, 0.5 * states[-1], tolerance_mm=TOLERANCE_MM)
-    near = approach.solve(case, 0.95 * states[-1], tolerance_mm=TOLERANCE_MM)
+    far = warm_start.solve(case, 0.5 * states[-1], tolerance_mm=TOLERANCE_MM)
+    near = warm_start.solve(case, 0.95 * states[-1], tolerance_mm=TOLERANCE_MM)
     assert (far.origin, near.origin) == ("path", "guess")

@@ -7,7 +7,10 @@ from hypothesis import strategies as st
 
 from meshes import block_mesh
 from physgnn.errors import InputError
-from physgnn.mechanics.loads.patch_sampling import patch_load_paths, patch_shares
+from physgnn.mechanics.loads.patch_sampling import (
+    patch_load_fractions,
+    patch_load_paths,
+)
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.sampling import inward_normals
 
@@ -32,7 +35,9 @@ def paths(n_paths: int = 40, **changes: object) -> list[LoadPath]:
 )
 def test_shares_add_up_and_fall_outwards(distances: list[float], step: float) -> None:
     distance = np.sort(distances) * step
-    share = patch_shares(distance, np.tile([0.0, 0.0, 1.0], (len(distance), 1)), 0)
+    share = patch_load_fractions(
+        distance, np.tile([0.0, 0.0, 1.0], (len(distance), 1)), 0
+    )
     assert share.sum() == pytest.approx(1.0)
     assert (np.diff(share) <= 0).all()
     assert (share[1:][distance[1:] >= 1] == 0).all()
@@ -40,7 +45,7 @@ def test_shares_add_up_and_fall_outwards(distances: list[float], step: float) ->
 
 def test_nodes_that_face_another_way_are_no_part_of_a_patch() -> None:
     normals = np.array([[0, 0, 1.0], [0, 0, -1.0], [0, 0.6, 0.8]])
-    share = patch_shares(np.zeros(3), normals, 0)
+    share = patch_load_fractions(np.zeros(3), normals, 0)
     np.testing.assert_allclose(share, [0.5, 0, 0.5])
 
 

@@ -27,7 +27,7 @@ def test_the_cells_under_the_force_follow_from_those_beside_them(
     near = NearLoads(Body(block, MATERIALS, block.point_set("fixed")), 2)
     wrong = truth.copy()
     wrong[case.nodes] += 2.0
-    np.testing.assert_allclose(near.settled(case, wrong), truth, atol=1e-4)
+    np.testing.assert_allclose(near.corrected(case, wrong), truth, atol=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -39,4 +39,4 @@ def test_other_answers_are_left_alone(
 ) -> None:
     near = NearLoads(Body(block, MATERIALS, element=element), reach)
     answer = np.full(block.points.shape, 0.1)
-    assert near.settled(push(block, n_nodes), answer) is answer
+    assert near.corrected(push(block, n_nodes), answer) is answer

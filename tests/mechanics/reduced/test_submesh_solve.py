@@ -9,7 +9,7 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solver import SolverOptions, solve
 from physgnn.mechanics.loads.paths import LoadCase, LoadPath
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.reduced.submesh_solve import settle
+from physgnn.mechanics.reduced.submesh_solve import solve_submesh
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
 Solved = tuple[Body, LoadCase, np.ndarray]
@@ -34,9 +34,9 @@ def test_a_patch_finds_equilibrium_from_its_neighbours_alone(
     guess = truth.copy()
     guess[case.nodes] = 1e3  # the answer does not depend on what is inside
     force = case.on_points(block.n_points)
-    settled = settle(body, points, guess, force)
-    assert settled is not None
-    np.testing.assert_allclose(settled, truth, atol=1e-5)
+    solved = solve_submesh(body, points, guess, force)
+    assert solved is not None
+    np.testing.assert_allclose(solved, truth, atol=1e-5)
 
 
 def test_no_force_and_neighbours_at_rest_give_rest(
@@ -45,9 +45,9 @@ def test_no_force_and_neighbours_at_rest_give_rest(
     body, case, _ = solved
     points = np.flatnonzero(points_within(block, case.nodes, 2))
     rest = np.zeros_like(block.points)
-    settled = settle(body, points, rest, rest)
-    assert settled is not None
-    np.testing.assert_allclose(settled, 0.0, atol=1e-9)
+    solved = solve_submesh(body, points, rest, rest)
+    assert solved is not None
+    np.testing.assert_allclose(solved, 0.0, atol=1e-9)
 
 
 def test_neighbours_turned_inside_out_have_no_answer(
@@ -57,4 +57,4 @@ def test_neighbours_turned_inside_out_have_no_answer(
     points = np.flatnonzero(points_within(block, case.nodes, 1))
     mirrored = truth - 2.0 * block.points * np.array([1.0, 0.0, 0.0])
     force = case.on_points(block.n_points)
-    assert settle(body, points, mirrored, force) is None
+    assert solve_submesh(body, points, mirrored, force) is None

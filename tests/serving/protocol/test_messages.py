@@ -7,30 +7,30 @@ from hypothesis import strategies as st
 from physgnn.errors import InputError
 from physgnn.serving.protocol.messages import (
     MAX_BYTES,
-    Push,
+    PatchLoad,
     SectionPlane,
     read_message,
-    read_push,
+    read_patch_load,
 )
 
-PUSH = {
-    "type": "push",
+PATCH_LOAD = {
+    "type": "patch_load",
     "id": 7,
     "point": [1, 2.5, 3],
     "force_n": [0, 0, -0.5],
     "radius_mm": 12,
-    "answers": ["linear"],
+    "predictors": ["linear"],
 }
 
 
-def test_a_push_is_read() -> None:
-    push = read_push(json.dumps(PUSH))
-    assert push == Push(
+def test_a_patch_load_is_read() -> None:
+    patch_load = read_patch_load(json.dumps(PATCH_LOAD))
+    assert patch_load == PatchLoad(
         id=7,
         point=(1.0, 2.5, 3.0),
         force_n=(0.0, 0.0, -0.5),
         radius_mm=12.0,
-        answers=["linear"],
+        predictors=["linear"],
     )
 
 
@@ -53,16 +53,16 @@ def test_a_section_is_read_and_taken_away() -> None:
         ({"force_n": [0, 0, 1e6]}, "at most 1000 N"),
         ({"radius_mm": 0}, "greater than 0"),
         ({"radius_mm": 1e9}, "less than or equal"),
-        ({"answers": []}, "at least 1"),
-        ({"answers": ["oracle"]}, "'network'"),
+        ({"predictors": []}, "at least 1"),
+        ({"predictors": ["oracle"]}, "'network'"),
         ({"id": -1}, "id"),
         ({"colour": "red"}, "colour"),
         ({"field": "oracle"}, "field: Input should be 'displacement' or 'error'"),
     ],
 )
-def test_a_wrong_push_is_one_line_that_says_what_is_wrong(change, says) -> None:
+def test_a_wrong_patch_load_is_one_line_that_says_what_is_wrong(change, says) -> None:
     with pytest.raises(InputError) as error:
-        read_message(json.dumps({**PUSH, **change}))
+        read_message(json.dumps({**PATCH_LOAD, **change}))
     assert says in str(error.value)
     assert "\n" not in str(error.value)
 
@@ -79,8 +79,8 @@ def test_too_long_and_binary_messages_are_refused_before_they_are_parsed() -> No
         read_message("[" * (MAX_BYTES + 1))
     with pytest.raises(InputError, match="got binary"):
         read_message(b"\x00")
-    with pytest.raises(InputError, match="a push is wanted"):
-        read_push('{"type": "release"}')
+    with pytest.raises(InputError, match="a patch load is wanted"):
+        read_patch_load('{"type": "release"}')
 
 
 @given(st.one_of(st.text(), st.recursive(

@@ -10,19 +10,19 @@ import pytest
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.prediction import Prediction, PredictionStatus
 from physgnn.serving.protocol.frames import decode
-from physgnn.serving.protocol.messages import read_push
+from physgnn.serving.protocol.messages import read_patch_load
 from physgnn.serving.scene.colours import FIELDS, SolvedLoad
 from physgnn.serving.scene.viewed import Viewed
 from physgnn.serving.sessions.engine import Engine
-from physgnn.serving.sessions.predictions import answer_frame, scene_frame
+from physgnn.serving.sessions.predictions import prediction_frame, scene_frame
 
 PAGE = Path(__file__).parents[3] / "docs" / "howto" / "add_colour.md"
-PUSH = {
-    "type": "push",
+PATCH_LOAD = {
+    "type": "patch_load",
     "point": [5, 5, 10],
     "force_n": [0, 0, -0.01],
     "radius_mm": 6,
-    "answers": ["linear"],
+    "predictors": ["linear"],
 }
 
 
@@ -62,7 +62,7 @@ def test_volume_ratio_is_det_f(viewed: Viewed, case: LoadCase) -> None:
 
 
 def test_the_error_field_peaks_at_the_bound(viewed: Viewed, case: LoadCase) -> None:
-    prediction = viewed.answers["network"](case)
+    prediction = viewed.predictors["network"](case)
     field = measured("error", viewed, SolvedLoad("network", case, prediction))
     assert prediction.error_estimate_mm is not None
     floor = 0.01 * viewed.calibration.max_factor  # calibration.FLOOR_MM
@@ -86,7 +86,7 @@ def test_the_first_frame_tells_the_page_every_row(engine: Engine) -> None:
 def test_without_a_calibration_the_page_cannot_choose_the_error(
     viewed: Viewed,
 ) -> None:
-    bare = Viewed(viewed.title, viewed.body, viewed.answers, viewed.exposed)
+    bare = Viewed(viewed.title, viewed.body, viewed.predictors, viewed.exposed)
     assert FIELDS["error"].describe(viewed)["available"]
     assert not FIELDS["error"].describe(bare)["available"]
     assert FIELDS["volume"].describe(bare)["available"]
@@ -96,12 +96,12 @@ def test_without_a_calibration_the_page_cannot_choose_the_error(
 def test_a_row_of_ones_own_is_told_accepted_and_answered(engine: Engine) -> None:
     header, _ = decode(scene_frame(engine))
     assert header["fields"]["upward"]["label"] == "Upward"
-    push = read_push(json.dumps({**PUSH, "field": "upward"}))
+    patch_load = read_patch_load(json.dumps({**PATCH_LOAD, "field": "upward"}))
     nodes = engine.viewed.exposed.nodes
     up = np.linspace(0.0, 1.0, engine.viewed.body.mesh.n_points)
     moved = np.column_stack([0 * up, 0 * up, up])
     load = solved("linear", LoadCase(nodes[:1], np.ones((1, 3))), moved)
-    _, arrays = decode(answer_frame(engine, push, load, None))
+    _, arrays = decode(prediction_frame(engine, patch_load, load, None))
     np.testing.assert_allclose(arrays["field"], up[engine.shown.nodes], rtol=1e-6)
 
 

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
-from physgnn.serving.scene.patch_load import Exposed, push
+from physgnn.serving.scene.patch_load import Exposed, spread_force
 
 FORCE = np.array([0.3, -0.2, -1.0])
 
@@ -21,7 +21,7 @@ def exposed(body: Body) -> Exposed:
 )  # the block's top is 10 × 10 mm
 def test_nodal_forces_add_up_and_stay_within_the_radius(exposed, x, y, radius) -> None:
     point = np.array([x, y, 10.0])
-    case = push(exposed, point, FORCE, radius)
+    case = spread_force(exposed, point, FORCE, radius)
     np.testing.assert_allclose(case.forces.sum(axis=0), FORCE, rtol=1e-12)
     share = case.forces @ FORCE / (FORCE @ FORCE)
     assert (share > 0).all()
@@ -35,7 +35,7 @@ def test_nodal_forces_add_up_and_stay_within_the_radius(exposed, x, y, radius) -
 
 def test_the_load_moves_smoothly_with_the_point(exposed: Exposed) -> None:
     def field(x: float) -> np.ndarray:
-        case = push(exposed, np.array([x, 5.0, 10.0]), FORCE, 6.0)
+        case = spread_force(exposed, np.array([x, 5.0, 10.0]), FORCE, 6.0)
         return case.on_points(int(exposed.nodes.max()) + 1)
 
     steps = [np.abs(field(3 + h) - field(3)).max() / h for h in (1e-2, 1e-3, 1e-4)]
@@ -43,13 +43,13 @@ def test_the_load_moves_smoothly_with_the_point(exposed: Exposed) -> None:
 
 
 def test_where_no_node_is_near_the_nearest_takes_all(exposed: Exposed) -> None:
-    case = push(exposed, exposed.points[4] + 0.3, FORCE, 0.01)
+    case = spread_force(exposed, exposed.points[4] + 0.3, FORCE, 0.01)
     assert case.nodes.tolist() == [exposed.nodes[4]]
 
 
 def test_a_point_off_the_surface_is_refused(exposed: Exposed) -> None:
     with pytest.raises(InputError, match="it is 50 mm away"):
-        push(exposed, np.array([0.0, 0.0, 60.0]), FORCE, 5.0)
+        spread_force(exposed, np.array([0.0, 0.0, 60.0]), FORCE, 5.0)
 
 
 def test_fixed_and_inner_nodes_are_never_exposed(body: Body, block: TetMesh) -> None:
@@ -59,5 +59,5 @@ def test_fixed_and_inner_nodes_are_never_exposed(body: Body, block: TetMesh) -> 
     assert on_side.all()
     outward = block.points[exposed.nodes] - 5.0
     assert (np.einsum("ij,ij->i", outward, exposed.normals) > 0).all()
-    with pytest.raises(InputError, match="no node can be pushed"):
+    with pytest.raises(InputError, match="no node can be loaded"):
         Exposed.of(body, body.fixed)

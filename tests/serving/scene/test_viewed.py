@@ -13,10 +13,10 @@ from physgnn.serving.scene.viewed import view
 def test_a_mesh_is_shown_with_linear_elasticity(block: TetMesh, tmp_path: Path) -> None:
     write_mesh(tmp_path / "case.vtu", block)
     viewed = view(tmp_path / "case.vtu")
-    assert list(viewed.answers) == ["linear"]
+    assert list(viewed.predictors) == ["linear"]
     np.testing.assert_array_equal(viewed.exposed.nodes, block.point_set("loaded"))
     case = LoadCase(viewed.exposed.nodes[:1], np.array([[0.0, 0.0, -0.01]]))
-    assert viewed.answers["linear"](case).displacement.any()
+    assert viewed.predictors["linear"](case).displacement.any()
     assert viewed.reasons_outside(case) == []
 
 

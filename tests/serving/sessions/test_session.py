@@ -6,13 +6,13 @@ from socket import SO_RCVBUF, SOL_SOCKET, create_connection
 
 import numpy as np
 import pytest
-from live_server import Address, push, serving
+from live_server import Address, patch_load, serving
 from websockets.sync.client import ClientConnection, connect
 
 from physgnn.mechanics.equilibrium.solver import solve
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.serving.protocol.frames import decode
-from physgnn.serving.protocol.messages import Push
+from physgnn.serving.protocol.messages import PatchLoad
 from physgnn.serving.scene.viewed import Viewed
 from physgnn.serving.sessions.engine import Engine
 from physgnn.serving.sessions.predictions import load_case
@@ -25,7 +25,7 @@ def frame(socket: ClientConnection):
     return decode(content) if isinstance(content, bytes) else (json.loads(content), {})
 
 
-def ask(socket: ClientConnection, message: Push):
+def ask(socket: ClientConnection, message: PatchLoad):
     socket.send(message.model_dump_json())
     return frame(socket)
 
@@ -40,7 +40,7 @@ def socket(address: Address):
 def test_the_scene_has_all_that_is_drawn(address: Address, viewed: Viewed) -> None:
     with connect(address.live) as socket:
         header, arrays = frame(socket)
-    assert header["answers"] == ["network", "linear"]
+    assert header["predictors"] == ["network", "linear"]
     assert header["coverage"] == 0.9
     assert set(arrays) == {"points", "exposed", "faces:brain", "faces:tumour"}
     exposed = arrays["points"][arrays["exposed"] == 1]
@@ -49,11 +49,15 @@ def test_the_scene_has_all_that_is_drawn(address: Address, viewed: Viewed) -> No
 
 @pytest.mark.parametrize("name", ["network", "linear"])
 def test_an_answer_is_the_predictors(socket, viewed: Viewed, name: str) -> None:
-    message = push(id=3, answers=[name])
+    message = patch_load(id=3, predictors=[name])
     header, arrays = ask(socket, message)
     engine = Engine(viewed)
-    expected = viewed.answers[name](load_case(engine, message))
-    assert (header["kind"], header["id"], header["answer"]) == ("answer", 3, name)
+    expected = viewed.predictors[name](load_case(engine, message))
+    assert (header["kind"], header["id"], header["predictor"]) == (
+        "prediction",
+        3,
+        name,
+    )
     at = engine.shown.nodes
     np.testing.assert_allclose(
         arrays["displacement"], expected.displacement[at], rtol=1e-6, atol=1e-7
@@ -67,20 +71,20 @@ def test_an_answer_is_the_predictors(socket, viewed: Viewed, name: str) -> None:
 
 
 def test_a_load_outside_the_trained_range_says_so(socket) -> None:
-    header, _ = ask(socket, push(force_n=(0.0, 0.0, -0.5)))
+    header, _ = ask(socket, patch_load(force_n=(0.0, 0.0, -0.5)))
     assert header["status"] == "outside trained range"
     assert any("N in all" in reason for reason in header["reasons"])
 
 
 def test_both_answers_come_when_both_are_wanted(socket) -> None:
-    first, _ = ask(socket, push(answers=["network", "linear"]))
+    first, _ = ask(socket, patch_load(predictors=["network", "linear"]))
     second, _ = frame(socket)
-    assert (first["answer"], second["answer"]) == ("network", "linear")
+    assert (first["predictor"], second["predictor"]) == ("network", "linear")
 
 
 @pytest.mark.parametrize("field", ["error", "volume"])
-def test_a_field_comes_with_the_answer(socket, field: str) -> None:
-    _, arrays = ask(socket, push(field=field))
+def test_a_field_comes_with_the_prediction(socket, field: str) -> None:
+    _, arrays = ask(socket, patch_load(field=field))
     assert len(arrays["field"]) == len(arrays["displacement"])
 
 
@@ -88,12 +92,12 @@ def test_a_section_deforms_with_the_body(socket) -> None:
     socket.send('{"type": "section", "axis": "axial", "offset_mm": 8.0}')
     header, section = frame(socket)
     assert (header["kind"], header["axis"]) == ("section", 2)
-    _, arrays = ask(socket, push())
+    _, arrays = ask(socket, patch_load())
     moved = arrays["section_displacement"]
     assert moved.shape == section["points"].shape
     assert moved[:, 2].min() < 0
     socket.send('{"type": "section", "axis": null}')
-    _, arrays = ask(socket, push())
+    _, arrays = ask(socket, patch_load())
     assert "section_displacement" not in arrays
 
 
@@ -103,8 +107,8 @@ def test_a_section_deforms_with_the_body(socket) -> None:
         "not JSON",
         b"\x00\x01",
         "[" * 5000,
-        '{"type": "push"}',
-        push(point=(0.0, 0.0, 900.0)).model_dump_json(),
+        '{"type": "patch_load"}',
+        patch_load(point=(0.0, 0.0, 900.0)).model_dump_json(),
     ],
 )
 def test_a_bad_message_is_answered_by_an_error_and_nothing_breaks(
@@ -114,7 +118,7 @@ def test_a_bad_message_is_answered_by_an_error_and_nothing_breaks(
     header, _ = frame(socket)
     assert header["kind"] == "error"
     assert "\n" not in header["text"]
-    assert ask(socket, push(id=9))[0]["id"] == 9
+    assert ask(socket, patch_load(id=9))[0]["id"] == 9
 
 
 def test_a_huge_message_costs_its_sender_the_connection_only(
@@ -125,23 +129,23 @@ def test_a_huge_message_costs_its_sender_the_connection_only(
         other.send("x" * (2 << 20))
         with pytest.raises(Exception, match="1009"):
             frame(other)
-    assert ask(socket, push(id=1))[0]["id"] == 1
+    assert ask(socket, patch_load(id=1))[0]["id"] == 1
 
 
 def test_stale_loads_are_dropped_and_the_newest_is_answered(
     viewed: Viewed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    linear = viewed.answers["linear"]
+    linear = viewed.predictors["linear"]
 
     def slow(case, **how):
         time.sleep(0.05)
         return linear(case, **how)
 
-    monkeypatch.setitem(viewed.answers, "linear", slow)
+    monkeypatch.setitem(viewed.predictors, "linear", slow)
     with serving(Engine(viewed)) as address, connect(address.live) as socket:
         frame(socket)
         for i in range(50):
-            socket.send(push(id=i, answers=["linear"]).model_dump_json())
+            socket.send(patch_load(id=i, predictors=["linear"]).model_dump_json())
         answered = [frame(socket)[0]["id"]]
         while answered[-1] != 49:
             answered.append(frame(socket)[0]["id"])
@@ -153,8 +157,10 @@ def test_two_clients_get_their_own_answers(address: Address) -> None:
     with connect(address.live) as one, connect(address.live) as other:
         frame(one), frame(other)
         for i in range(10):
-            one.send(push(id=i).model_dump_json())
-            other.send(push(id=100 + i, force_n=(0.0, 0.0, -0.02)).model_dump_json())
+            one.send(patch_load(id=i).model_dump_json())
+            other.send(
+                patch_load(id=100 + i, force_n=(0.0, 0.0, -0.02)).model_dump_json()
+            )
             mine, theirs = frame(one)[0], frame(other)[0]
             assert (mine["id"], theirs["id"]) == (i, 100 + i)
             assert theirs["largest_mm"] == pytest.approx(2 * mine["largest_mm"])
@@ -165,20 +171,22 @@ def test_a_client_that_does_not_read_does_not_stall_another(
 ) -> None:
     narrow = create_connection((address.host, address.port))
     narrow.setsockopt(SOL_SOCKET, SO_RCVBUF, 4096)
-    wanted = push(answers=["network", "linear"], field="volume").model_dump_json()
+    wanted = patch_load(
+        predictors=["network", "linear"], field="volume"
+    ).model_dump_json()
     with connect(address.live, sock=narrow, max_queue=1) as lazy:
         for i in range(300):
             lazy.send(wanted)
-            assert ask(socket, push(id=i))[0]["id"] == i
+            assert ask(socket, patch_load(id=i))[0]["id"] == i
         narrow.close()
 
 
 def test_finite_elements_follow_and_are_the_solvers(socket, viewed: Viewed) -> None:
-    message = push(id=5, solve=True, force_n=(0.0, 0.0, -0.05))
-    assert ask(socket, message)[0]["answer"] == "network"
+    message = patch_load(id=5, solve=True, force_n=(0.0, 0.0, -0.05))
+    assert ask(socket, message)[0]["predictor"] == "network"
     assert frame(socket)[0] == {"kind": "solving", "id": 5}
     header, arrays = frame(socket)
-    assert (header["answer"], header["id"]) == ("finite elements", 5)
+    assert (header["predictor"], header["id"]) == ("finite elements", 5)
     body, engine = viewed.body, Engine(viewed)
     case = load_case(engine, message)
     path = LoadPath(case.nodes, case.forces, np.array([0.5, 1.0]))
@@ -192,9 +200,9 @@ def test_finite_elements_follow_and_are_the_solvers(socket, viewed: Viewed) -> N
 
 
 def test_letting_go_cancels_the_solve(socket) -> None:
-    ask(socket, push(id=1, solve=True))
+    ask(socket, patch_load(id=1, solve=True))
     socket.send('{"type": "release"}')
-    header, _ = ask(socket, push(id=2))
-    assert (header["answer"], header["id"]) == ("network", 2)
+    header, _ = ask(socket, patch_load(id=2))
+    assert (header["predictor"], header["id"]) == ("network", 2)
     with pytest.raises(TimeoutError):
         socket.recv(timeout=1.0)

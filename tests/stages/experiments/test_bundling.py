@@ -6,7 +6,7 @@ import pytest
 from physgnn.bundled import BUNDLED_RUN
 from physgnn.errors import InputError
 from physgnn.prediction.predictor import Predictor
-from physgnn.serving.scene.patch_load import push
+from physgnn.serving.scene.patch_load import spread_force
 from physgnn.serving.scene.viewed import Viewed, view
 from physgnn.stages.experiments.bundling import MADE_BY, MAX_BYTES, check_size
 
@@ -44,9 +44,11 @@ def test_patches_of_every_size_are_within_its_range(
     centre = exposed.points.mean(axis=0)
     middle = np.linalg.norm(exposed.points - centre, axis=1).argmin()
     point, inward = exposed.points[middle], -exposed.normals[middle]
-    share = np.linalg.norm(push(exposed, point, inward, radius_mm).forces, axis=1)
+    share = np.linalg.norm(
+        spread_force(exposed, point, inward, radius_mm).forces, axis=1
+    )
     force = min(3.0, 0.25 / share.max())  # no node more than 0.25 N
-    gentle = push(exposed, point, force * inward, radius_mm)
+    gentle = spread_force(exposed, point, force * inward, radius_mm)
     assert bundled.reasons_outside(gentle) == []
-    strong = push(exposed, point, 2 * force * inward, radius_mm)
+    strong = spread_force(exposed, point, 2 * force * inward, radius_mm)
     assert bundled.reasons_outside(strong)

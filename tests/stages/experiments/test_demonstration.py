@@ -28,11 +28,11 @@ def test_the_bundled_models_card_compares_it_with_peers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     small = replace(bundling.BUNDLED, target_points=2800, training_minutes=0.05)
-    monkeypatch.setattr(bundling, "BUNDLED", replace(small, baselines="pod_network"))
+    monkeypatch.setattr(bundling, "BUNDLED", replace(small, baselines="pod-network"))
     out = tmp_path / "bundled"
     bundling.bundle(tmp_path / "work", out, log=print)
     card = (out / "model_card.md").read_text("utf-8")
-    for row in ("POD + small network", "PhysGNN", "Lifted network", "Certified"):
+    for row in ("POD + small network", "PhysGNN", "Lifted network", "Repaired"):
         assert f"| {row}" in card
     assert str(tmp_path) not in card
 

@@ -29,7 +29,7 @@ PRESET = Preset(
 )
 CONFIG = TrainingConfig(
     model="lifted",
-    options={"anchors": 2, "reach": 1, "width": 8, "layers": 1, "modes": 0},
+    options={"anchors": 2, "k_hops": 1, "width": 8, "layers": 1, "pod_modes": 0},
     max_epochs=2,
     batch_size=4,
 )

@@ -1,6 +1,7 @@
 """Datasets of other solvers' results: meshless, SOFA, FEBio, measured."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ from physgnn.io.simulation import Simulation
 from physgnn.io.vtk.series import read_series
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.solution import Solution, Status
-from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.materials import Material
 from physgnn.progress import Progress
 
@@ -93,7 +94,7 @@ def import_results(
         made = Store.create(
             part,
             found[0].mesh,
-            [LoadPath(s.load_path.nodes, s.load_path.forces, longest) for s in found],
+            [replace(s.load_path, load_factors=longest) for s in found],
             materials=found[0].materials or materials,
             fixed=found[0].fixed,
             element=element,
@@ -104,7 +105,7 @@ def import_results(
             },
         )
         for i, simulation in enumerate(found):
-            made.write(i, _extended(simulation.answer(), longest))
+            made.write(i, _extended(simulation.read_solution(), longest))
             if progress:
                 progress(i + 1, len(found), simulation.source)
     return Store.open(target)
@@ -140,7 +141,7 @@ def _check_same(
         if differs:
             raise InputError(f"{simulation.source}: {reason}: import them apart")
     try:
-        simulation.load_path.check_against(first.mesh, first.fixed)
+        Loading(first.mesh, simulation.load_path, first.fixed)
     except InputError as error:
         raise InputError(f"{simulation.source}: {error}") from error
 

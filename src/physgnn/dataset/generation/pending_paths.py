@@ -13,6 +13,7 @@ from physgnn import choices
 from physgnn.dataset.generation.work import Result, Work, each
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
+from physgnn.io.febio.load_writer import check_writable
 from physgnn.io.febio.run import FebioSolver
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.solution import Solution
@@ -100,11 +101,13 @@ SOLVERS: Mapping[str, Callable[[Store], CanSolve]] = {
 
 def check_febio(element: str, paths: Sequence[LoadPath]) -> None:
     """Raise InputError if a FEBio model as we write it could not ask the same."""
-    if element != DEFAULT_ELEMENT or any(path.more for path in paths):
+    if element != DEFAULT_ELEMENT:
         raise InputError(
-            f"for FEBio we write element '{DEFAULT_ELEMENT}' and nodal forces alone: "
-            "leave element and [[loads.more]] out, or solve without FEBio"
+            f"for FEBio we write element '{DEFAULT_ELEMENT}': leave element out, or "
+            "solve without FEBio"
         )
+    for path in paths:
+        check_writable(path.more)
 
 
 def solver_of(store: Store) -> CanSolve:

@@ -9,13 +9,19 @@ from functools import cache
 from physgnn.errors import InputError
 from physgnn.evaluation.measure.held_out import HeldOut
 from physgnn.evaluation.measure.rows import Row
-from physgnn.learning.models import MODELS, build_model, is_model, model_class
+from physgnn.learning.models import (
+    MODELS,
+    build_model,
+    is_model,
+    method_name,
+    model_class,
+)
 from physgnn.learning.network import Network
 from physgnn.learning.surrogate import Surrogate
 from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import Predictor
 
-QUICK = ("zero", "linear", "level_interpolation")  # made in seconds
+QUICK = ("zero", "linear", "interpolation")  # made in seconds
 
 
 @cache
@@ -35,7 +41,7 @@ def named_baselines(text: str, held_out: HeldOut) -> tuple[str, ...]:
         return tuple(k for k in names if model_class(k).is_meant_for(store, test))
     if text == "quick":
         return QUICK
-    return tuple(name.strip() for name in text.split(","))
+    return tuple(method_name(name.strip()) for name in text.split(","))
 
 
 def baseline_rows(
@@ -58,7 +64,7 @@ def baseline_rows(
         If there is no such baseline.
     """
     rows = []
-    for name in names:
+    for name in map(method_name, names):
         method = _baseline(name)
         if method.applies_to(held_out.store, held_out.train, held_out.test):
             drawn = seeds if method.draws else (None,)

@@ -11,7 +11,7 @@ from physgnn.evaluation.measure.rows import Row
 from physgnn.io.atomic import write_whole
 
 
-class KeptRows:
+class CachedRows:
     """Errors of rows measured earlier, in a folder, one file each.
 
     A file's name holds a hash of all that its figures follow from: data, samples,
@@ -37,7 +37,7 @@ class KeptRows:
         return errors_from_json(json.loads(file.read_text())) if file.exists() else None
 
     def put(self, row: Row, errors: ModelErrors) -> None:
-        """Keep a row, whole or not at all."""
+        """Store a row, whole or not at all."""
         self._folder.mkdir(parents=True, exist_ok=True)
         write_whole(self._file(row), json.dumps(asdict(errors), allow_nan=False))
 

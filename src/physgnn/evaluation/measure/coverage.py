@@ -82,9 +82,9 @@ def _measured(
 ) -> BarSample:
     store = held_out.store
     case = store.load_case(path, level)
-    answer = predictor.surrogate.predict(case)
-    error = np.linalg.norm(store.displacement(path)[level] - answer, axis=1)
-    field = predictor.error(case, answer)
+    displacement = predictor.surrogate.predict(case)
+    error = np.linalg.norm(store.displacement(path)[level] - displacement, axis=1)
+    field = predictor.error(case, displacement)
     likely = np.linalg.norm(field, axis=1)
     fields = (
         (predictor.calibration, predictor.indicate),
@@ -102,7 +102,7 @@ def _measured(
             bound
             for calibration, indicate in fields
             if calibration is not None
-            for bound in _bounds(calibration, indicate(case, answer))
+            for bound in _bounds(calibration, indicate(case, displacement))
         ),
     )
 

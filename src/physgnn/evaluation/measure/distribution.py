@@ -1,6 +1,6 @@
 """Distribution of many errors, in constant memory.
 
-Mean, standard deviation, largest and the share within 1 mm are exact; quantiles come
+Mean, standard deviation, largest and the fraction within 1 mm are exact; quantiles come
 from a histogram with logarithmic bins 0.25 % wide, from 10⁻⁶ to 10⁴ mm.
 """
 
@@ -20,7 +20,7 @@ HISTOGRAM_EDGES_MM = tuple(BIN_EDGES_MM[::MERGED_BINS].tolist())
 
 @dataclass(frozen=True)
 class Distribution:
-    """Summary of absolute errors over nodes and samples, mm (`within_1mm`: share)."""
+    """Absolute errors over nodes and samples, mm (`within_1mm`: a fraction)."""
 
     mean: float
     std: float

@@ -11,7 +11,7 @@ import numpy as np
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.choices import Estimate
 from physgnn.dataset.storage.store import Store
-from physgnn.evaluation.measure.cached_rows import KeptRows
+from physgnn.evaluation.measure.cached_rows import CachedRows
 from physgnn.evaluation.measure.held_out import HeldOut
 from physgnn.evaluation.measure.metrics import (
     PooledErrors,
@@ -32,7 +32,7 @@ def evaluate(
     rows: Sequence[Row],
     held_out: HeldOut,
     *,
-    kept: KeptRows | None = None,
+    cached: CachedRows | None = None,
     facts: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Report:
@@ -46,7 +46,7 @@ def evaluate(
         In the order of presentation.
     held_out : HeldOut
         What to test on.
-    kept : KeptRows, optional
+    cached : CachedRows, optional
         Rows measured earlier are taken from there, and new ones put there.
     facts : mapping, optional
         Provenance to carry into the report; JSON values.
@@ -55,12 +55,12 @@ def evaluate(
     """
     measured = []
     for i, row in enumerate(rows):
-        errors = kept.get(row) if kept else None
+        errors = cached.get(row) if cached else None
         if errors is None:
             move = progress and _part(progress, i, len(rows), row.name)
             errors = measure(row, held_out, progress=move)
-            if kept:
-                kept.put(row, errors)
+            if cached:
+                cached.put(row, errors)
         measured.append(errors)
     return Report(
         split=held_out.split,

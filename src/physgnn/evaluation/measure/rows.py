@@ -34,7 +34,7 @@ class Row:
     tolerance_mm : float or None
         Asked of every prediction.
     origin : str
-        What else the predictor's answers follow from.
+        What else the predictor's displacements depend on.
     """
 
     name: str
@@ -104,8 +104,8 @@ def _run_row(
     )
 
 
-def certified(row: Row, tolerance_mm: float) -> Row:
-    """Return a row's predictor made to keep a tolerance."""
+def repaired_row(row: Row, tolerance_mm: float) -> Row:
+    """Return a row's predictor, repaired to a tolerance."""
     return replace(row, name=REPAIRED, tolerance_mm=tolerance_mm)
 
 

@@ -85,10 +85,10 @@ def histogram_chart(report: Report) -> Figure:
     largest = max(model.euclidean.largest for model in report.models)
     for seeds in report.groups:
         counts = np.sum([model.histogram for model in seeds], axis=0)
-        share = 100 * counts[1:] / max(counts.sum(), 1)
+        percent = 100 * counts[1:] / max(counts.sum(), 1)
         paint = colour(seeds[0].name)
         axes.stairs(
-            share[shown],
+            percent[shown],
             edges[np.append(shown, True)],
             color=paint,
             linewidth=1.8,
@@ -96,7 +96,7 @@ def histogram_chart(report: Report) -> Figure:
         )
         if seeds == report.groups[-1]:  # the model under test; more would hide lines
             axes.stairs(
-                share[shown],
+                percent[shown],
                 edges[np.append(shown, True)],
                 color=paint,
                 fill=True,

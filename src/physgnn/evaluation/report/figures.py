@@ -37,6 +37,7 @@ from physgnn.evaluation.report.style import (
 )
 from physgnn.imaging import slices_of_shift
 from physgnn.imaging.template import bundled_t1
+from physgnn.io.atomic import whole_file
 from physgnn.prediction.prediction import Predict
 
 DPI = 160
@@ -102,7 +103,7 @@ def draw_figures(
     if any(sample.estimate_mean is not None for sample in model.samples):
         caption = (
             "The error bound each prediction carried over its true error; dots above "
-            "the line kept the promise."
+            "the line are within the bound."
         )
         made.append(
             _save("error_bound", caption, lambda: estimate_chart(model), folder)
@@ -172,7 +173,7 @@ def _draw_deformed(store: Store, model: ModelErrors, folder: Path) -> Picture:
 
     return _save(
         "deformed",
-        f"The finite-element answer for load path {sample.path} at "
+        f"The finite-element solution for load path {sample.path} at "
         f"{100 * sample.load_factor:.0f} % load, true to scale; it moves up to "
         f"{sample.largest_displacement:.1f} mm.",
         figure,
@@ -295,6 +296,7 @@ def _save(
     for theme in THEMES:
         with mpl.rc_context(theme.settings()):
             file = folder / f"{name}_{theme.name}.png"
-            figure().savefig(file, dpi=DPI, transparent=True)
+            with whole_file(file) as part:
+                figure().savefig(part, dpi=DPI, transparent=True)
             files.append(file)
     return Picture(name, caption, tuple(files))

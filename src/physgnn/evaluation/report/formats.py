@@ -20,10 +20,10 @@ def spread(mean: float, std: float) -> str:
     return f"{mm(mean)} ± {mm(std)}"
 
 
-def percent(share: float) -> str:
-    """Return a share as per cent, its distance from 100 % kept in sight."""
-    decimals = 2 if 0.99 < share < 1 else 1
-    return f"{100 * share:.{decimals}f} %"
+def percent(fraction: float) -> str:
+    """Return a fraction in per cent, with more digits close to 100 %."""
+    decimals = 2 if 0.99 < fraction < 1 else 1
+    return f"{100 * fraction:.{decimals}f} %"
 
 
 def with_spread(mean: str, std: float) -> str:

@@ -176,9 +176,11 @@ def _bounds(model: ModelErrors) -> str:
     estimated = [s for s in model.samples if s.estimate_largest is not None]
     if not estimated:
         return "This model has not been calibrated: it gives no error bounds."
-    inside = [s for s in estimated if s.status == PredictionStatus.OK.name]
+    outside = PredictionStatus.OUTSIDE_TRAINED_RANGE.name
+    inside = [s for s in estimated if s.status != outside]
+    unsure = sum(not PredictionStatus[s.status].usable for s in inside)
     held = sum(s.largest <= (s.estimate_largest or 0.0) for s in inside)
-    kept = (
+    remark = (
         f"inside, the bound on the largest error held in {percent(held / len(inside))} "
         f"of {len(inside)}"
         if inside
@@ -188,5 +190,7 @@ def _bounds(model: ModelErrors) -> str:
         "Every prediction carries a bound on its mean and its largest error, "
         "calibrated on validation samples, and says whether its load lies outside the "
         f"trained range, where nothing is promised. {len(estimated) - len(inside)} of "
-        f"{len(estimated)} test samples lay outside; {kept}."
+        f"{len(estimated)} test samples lay outside; {remark}. Of those inside, "
+        f"{unsure} were flagged for another reason, such as a bound larger than the "
+        "displacement."
     )

@@ -1,7 +1,7 @@
 """The published figures, and the tables that show our own beside them.
 
 Salehi & Giannacopoulos, "PhysGNN", NeurIPS 2022, test sets: dataset 1 with
-configuration 9, dataset 2 with configuration 3 (PROTOCOL §8). Their split shares load
+configuration 9, dataset 2 with configuration 3 (PROTOCOL §8). Their split has load
 paths between training and test set.
 """
 
@@ -70,7 +70,7 @@ PUBLISHED: Mapping[str, PublishedErrors] = {
 
 
 def protocol_table(report: Report, preset: str = "") -> Table:
-    """Return the means and shares of the publication."""
+    """Return the means and percentages of the publication."""
     rows = [_protocol_row(seeds) for seeds in report.groups]
     if preset in PUBLISHED:
         published = PUBLISHED[preset]
@@ -94,7 +94,7 @@ def protocol_table(report: Report, preset: str = "") -> Table:
         "± is the standard deviation over nodes and samples; several seeds are "
         "averaged. Absolute position error: difference of the displacements' "
         "magnitudes. The published figures were measured on another mesh of the same "
-        "brain and on the split that shares load paths between training and test set.",
+        "brain and on the split with load paths in both training and test set.",
     )
 
 

@@ -7,21 +7,23 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import ListedColormap
 
+from physgnn.learning.models import method_name
+
 # Mid-tones that stand out on white and on near-black, and from each other for the
 # colour-blind (after Okabe & Ito, 2008).
 MODELS = {
     "zero": ("Zero displacement", "#8b929c"),
     "linear": ("Linear solution", "#d9861a"),
-    "level_interpolation": ("Level interpolation", "#a760bd"),
-    "pod_network": ("POD + small network", "#b5651d"),
-    "extra_trees": ("Extremely random trees", "#6f9a37"),
-    "nodal_network": ("Network per node", "#3fa7c9"),
+    "interpolation": ("Level interpolation", "#a760bd"),
+    "pod-network": ("POD + small network", "#b5651d"),
+    "extra-trees": ("Extremely random trees", "#6f9a37"),
+    "mlp": ("Network per node", "#3fa7c9"),
     "physgnn": ("PhysGNN", "#2f7fd6"),
     "lifted": ("Lifted network", "#0f9d7e"),
     "reduced": ("Reduced model", "#c2a500"),
     "galerkin": ("POD-Galerkin", "#8c6d9e"),
-    "certified": ("Certified", "#d4477e"),
-    "finite_element": ("Finite elements", "#6b5b4b"),
+    "certified": ("Repaired", "#d4477e"),
+    "finite-element": ("Finite elements", "#6b5b4b"),
 }
 SPARE_COLOURS = ("#d4477e", "#c2a500", "#5b6ee1", "#3fa7c9", "#7a5195")
 
@@ -76,11 +78,13 @@ THEMES = (LIGHT, DARK)
 
 def label(name: str) -> str:
     """Return a predictor's name as people read it."""
+    name = method_name(name)
     return MODELS[name][0] if name in MODELS else name.replace("_", " ")
 
 
 def colour(name: str) -> str:
     """Return a predictor's colour, the same in every figure."""
+    name = method_name(name)  # a report may be of an earlier version
     if name in MODELS:
         return MODELS[name][1]
     return SPARE_COLOURS[sum(name.encode()) % len(SPARE_COLOURS)]

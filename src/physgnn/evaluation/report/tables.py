@@ -165,7 +165,7 @@ def tolerance_table(report: Report) -> Table | None:
             "ended",
         ),
         tuple(rows),
-        "Within: share of samples whose largest nodal error is at most the tolerance.",
+        "Within: samples whose largest nodal error is at most the tolerance, per cent.",
     )
 
 

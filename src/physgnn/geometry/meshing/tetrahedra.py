@@ -1,7 +1,7 @@
 """Surfaces to a two-region tetrahedral mesh, by TetGen as in the published work.
 
 The merged surfaces' points are sorted by (x, y, z) and kept exactly; TetGen runs
-with ``-pq1.2AaY``. Its answer depends on its version and on that order: the tetgen
+with ``-pq1.2AaY``. Its result depends on its version and on that order: the tetgen
 wheel carries TetGen 1.6.
 """
 
@@ -46,7 +46,7 @@ def tetrahedralize(
     quality_ratio : float
         TetGen's bound on a cell's circumradius over its shortest edge, > 1.
     log : callable
-        Told one line a TetGen run.
+        Gets one line for each run of TetGen.
 
     Returns
     -------

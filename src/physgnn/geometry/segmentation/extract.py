@@ -32,7 +32,7 @@ class Segmentation:
     fits : mapping of str to SurfaceFit
         How well each follows its labels.
     notes : tuple of str
-        What was mended in the labels.
+        What was repaired in the labels.
     """
 
     brain: Surface

@@ -19,6 +19,8 @@ Mask = BoolArray
 
 # A second piece of brain larger than this fraction of the first is no speck.
 SPECK = 0.05
+# More of a tissue than this fraction outside of the brain is no stray voxels.
+LARGEST_APART = 0.5
 FACES = ndimage.generate_binary_structure(3, 1)
 
 
@@ -35,7 +37,7 @@ class TissueMasks:
     tumours, ventricles : tuple of boolean arrays
         One piece each.
     notes : tuple of str
-        What was mended.
+        What was repaired.
     """
 
     grid: ImageGrid
@@ -86,8 +88,10 @@ def tissue_masks(
     notes: list[str] = []
     voxel = grid.voxel_volume_mm3
     brain = _closed(_cropped(whole, window), grid.voxel_mm, closing, voxel, notes)
+    for name in REGIONS[1:]:
+        if name in masks:
+            _check_apart(_cropped(masks[name], window), brain, name, voxel, notes)
     parts = {
-        # what lies on an island went with it
         name: _pieces(
             _cropped(masks[name], window) & brain, name, smallest_mm3, voxel, notes
         )
@@ -150,6 +154,20 @@ def _closed(
     filled = ndimage.binary_fill_holes(kept)
     _note(notes, "brain: holes filled,", filled.sum() - kept.sum(), voxel)
     return np.asarray(filled, dtype=bool)
+
+
+def _check_apart(
+    mask: Mask, brain: Mask, name: str, voxel: float, notes: list[str]
+) -> None:
+    """Note what lies on an island and went with it; refuse if that is most of it."""
+    apart, size = int((mask & ~brain).sum()), int(mask.sum())
+    if apart > LARGEST_APART * size:
+        raise InputError(
+            f"the {name} must lie in the brain ({apart * voxel / 1000:.2f} of its "
+            f"{size * voxel / 1000:.2f} ml lie apart from it): name all labels of "
+            "brain, or give the brain mask"
+        )
+    _note(notes, f"{name}: apart from the brain, so dropped with it,", apart, voxel)
 
 
 def _pieces(

@@ -1,4 +1,4 @@
-"""What a surface must be before it is meshed: mended where safe, else refused.
+"""What a surface must be before it is meshed: repaired where safe, else refused.
 
 Every refusal says where, in mm, so that the place can be found in a viewer.
 """
@@ -20,7 +20,7 @@ FLAT = 1e-10
 
 
 def check_surface(surface: Surface, name: str) -> tuple[Surface, list[str]]:
-    """Return a closed, outward surface and what was mended.
+    """Return a closed, outward surface and what was repaired.
 
     Unused points and collapsed faces are dropped and normals made outward.
 
@@ -34,7 +34,7 @@ def check_surface(surface: Surface, name: str) -> tuple[Surface, list[str]]:
     Returns
     -------
     Surface, list of str
-        The mended surface, and one line for everything that was mended.
+        The repaired surface, and one line for everything that was repaired.
 
     Raises
     ------
@@ -98,12 +98,14 @@ def contains(surface: Surface, point: FloatArray) -> bool:
 def _without_leftovers(surface: Surface, name: str, notes: list[str]) -> Surface:
     """Drop faces that name a point twice, then points of no face."""
     a, b, c = surface.faces.T
-    kept = surface.faces[(a != b) & (b != c) & (c != a)]
-    if len(kept) == 0:
+    faces_with_area = surface.faces[(a != b) & (b != c) & (c != a)]
+    if len(faces_with_area) == 0:
         raise InputError(f"{name}: every face is degenerate: export the surface again")
-    if len(kept) < surface.n_faces:
-        notes.append(f"{name}: {surface.n_faces - len(kept)} collapsed faces dropped")
-    used, faces = np.unique(kept, return_inverse=True)
+    if len(faces_with_area) < surface.n_faces:
+        notes.append(
+            f"{name}: {surface.n_faces - len(faces_with_area)} collapsed faces dropped"
+        )
+    used, faces = np.unique(faces_with_area, return_inverse=True)
     if len(used) < surface.n_points:
         notes.append(f"{name}: {surface.n_points - len(used)} unused points dropped")
     return Surface(surface.points[used], faces.reshape(-1, 3).astype(np.int32))

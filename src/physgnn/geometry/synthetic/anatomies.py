@@ -46,7 +46,7 @@ class Anatomy:
         Angle between the craniotomy's direction and the normal of the plane below
         which the skull holds the brain.
     held : float
-        Share of the brain's surface points that the skull holds.
+        Fraction of the brain's surface points that the skull holds.
     surface_points, points : int
         About how many the brain's surface and the mesh have.
     seed : int

@@ -90,14 +90,14 @@ def mni152_phantom(
 def _brain_surface(n_points: int) -> Surface:
     """Close the sulci of the brain mask and cover it with uniform triangles."""
     mask, affine = _brain_mask()
-    reach = int(np.ceil(CLOSING_MM / VOXEL_MM)) + 2
-    mask = np.pad(mask, reach)
+    margin = int(np.ceil(CLOSING_MM / VOXEL_MM)) + 2
+    mask = np.pad(mask, margin)
     inside = ndimage.distance_transform_edt(~mask, sampling=VOXEL_MM) <= CLOSING_MM
     closed = ndimage.distance_transform_edt(inside, sampling=VOXEL_MM) > CLOSING_MM
     closed = ndimage.binary_fill_holes(closed)
     smooth = ndimage.gaussian_filter(closed.astype(float), SMOOTHING_MM / VOXEL_MM)
     voxels, faces, _, _ = marching_cubes(smooth, 0.5)  # type: ignore[no-untyped-call]
-    points = (voxels - reach) @ affine[:3, :3].T + affine[:3, 3]
+    points = (voxels - margin) @ affine[:3, :3].T + affine[:3, 3]
     fine = pv.PolyData.from_regular_faces(points, faces)
     coarse = _uniform(fine, n_points)
     fixer = pymeshfix.MeshFix(coarse.points, coarse.regular_faces)

@@ -11,7 +11,9 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
+from physgnn.io.reading import reading
 from physgnn.io.simulation import solution_of
+from physgnn.io.text import read_text
 from physgnn.mechanics.equilibrium.solution import Solution
 from physgnn.mechanics.loads.paths import LoadPath
 
@@ -50,28 +52,24 @@ def read_febio_log(
         If the log is missing, is of other nodes, or has a time that is no step's end.
     """
     path = Path(path)
-    displacement = np.full((len(times), len(node_ids), 3), np.nan)
-    for time, rows in _blocks(path):
-        if time == 0:
-            continue
-        level = int(np.abs(times - time).argmin())
-        if abs(times[level] - time) > SAME_TIME * time:
-            raise InputError(
-                f"{path}: time {time:g} ends none of the {len(times)} steps: run FEBio "
-                "without automatic time stepping"
-            )
-        displacement[level] = _placed(path, time, rows, node_ids)
-    return solution_of(displacement, load_path.load_factors)
+    with reading(path, "a FEBio log of displacements"):
+        displacement = np.full((len(times), len(node_ids), 3), np.nan)
+        for time, rows in _blocks(path):
+            if time == 0:
+                continue
+            level = int(np.abs(times - time).argmin())
+            if not abs(times[level] - time) <= SAME_TIME * time:
+                raise InputError(
+                    f"{path}: time {time:g} ends none of the {len(times)} steps: run "
+                    "FEBio without automatic time stepping"
+                )
+            displacement[level] = _placed(path, time, rows, node_ids)
+        return solution_of(displacement, load_path.load_factors)
 
 
 def _blocks(path: Path) -> Iterator[tuple[float, list[str]]]:
     """Yield time and lines of every step."""
-    try:
-        lines = path.read_text("utf-8").splitlines()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    except ValueError as error:
-        raise InputError(f"{path}: expected a FEBio log ({error})") from error
+    lines = read_text(path, names_in_latin1=True).splitlines()
     starts = [i for i, line in enumerate(lines) if line.startswith("*Time")]
     if not starts:
         raise InputError(f"{path}: no line '*Time = …': is it a node_data log?")

@@ -7,10 +7,10 @@ nothing.
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
-from decimal import Decimal
 from typing import Any
 
 from physgnn.errors import InputError
+from physgnn.io.febio.elements import moved_point
 from physgnn.mechanics.materials import Material, material_from_config
 from physgnn.mechanics.materials.table import material_to_config
 
@@ -91,7 +91,7 @@ def _number(element: ET.Element, key: str, tag: str) -> float:
     text = (element.findtext(tag) or "").strip()
     try:
         return float(_shifted(key, text, PA_PER_MPA_DIGITS))
-    except ArithmeticError as error:
+    except ValueError as error:
         raise InputError(
             f"material '{element.get('name')}' needs a number <{tag}> (got '{text}')"
         ) from error
@@ -99,4 +99,4 @@ def _number(element: ET.Element, key: str, tag: str) -> float:
 
 def _shifted(key: str, number: str, digits: int) -> str:
     """Change the unit of a pressure: move the point, keep every digit."""
-    return str(Decimal(number).scaleb(digits if key.endswith("_pa") else 0))
+    return moved_point(number, digits if key.endswith("_pa") else 0)

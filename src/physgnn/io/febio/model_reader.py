@@ -1,27 +1,32 @@
 """Reads a FEBio model (.feb 4.0) of the kind we can solve and learn from.
 
-That is: linear tetrahedra, our materials, points held in all directions, and nodal
-forces that share one load curve. Anything else in the file is named and refused, since
-leaving it out would change the answer.
+That is: linear tetrahedra, our materials, points held in all directions, and loads of
+ours (`physgnn.io.febio.load_reader`) that share one load curve. Anything else in the
+file is named and refused, since leaving it out would change the solution.
 """
 
-import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io.febio.elements import AXES, floats
+from physgnn.io.febio.load_reader import PRESCRIBED, LoadReader
 from physgnn.io.febio.log import read_febio_log
 from physgnn.io.febio.materials import material_of
-from physgnn.io.febio.model_writer import AXES, REGION_PREFIX
+from physgnn.io.febio.model_writer import REGION_PREFIX
+from physgnn.io.reading import reading
 from physgnn.io.simulation import Simulation
+from physgnn.io.xml_tree import read_xml
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material
 
+MOST_STEPS = 100_000
 SECTIONS = (
     *("Module", "Control", "Globals", "Material", "Mesh", "MeshDomains", "MeshData"),
     *("Boundary", "Loads", "LoadData", "Output"),
@@ -66,13 +71,8 @@ def read_febio(path: str | Path) -> FebioModel:
         If the file is no .feb 4.0, or holds something we cannot represent.
     """
     path = Path(path)
-    try:
-        root = ET.parse(path).getroot()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    except ET.ParseError as error:
-        raise InputError(f"{path}: expected a FEBio model ({error})") from error
-    try:
+    with reading(path, "a FEBio model"):
+        root = read_xml(path, "a FEBio model")
         if root.tag != "febio_spec" or root.get("version") != "4.0":
             raise InputError(
                 f"expected febio_spec 4.0 (got {root.tag} {root.get('version')}): "
@@ -80,16 +80,10 @@ def read_febio(path: str | Path) -> FebioModel:
             )
         _check_sections(root)
         return _Reader(root).model(path)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-    except (KeyError, ValueError, AttributeError) as error:
-        raise InputError(
-            f"{path}: an entry is missing or no number ({error})"
-        ) from error
 
 
 def read_febio_results(path: Path) -> list[Simulation]:
-    """Read a model, and its log when the answer is asked for.
+    """Read a model, and its log when the solution is asked for.
 
     Raises
     ------
@@ -102,7 +96,7 @@ def read_febio_results(path: Path) -> list[Simulation]:
             f'{path}: needs <node_data data="ux;uy;uz" file=…> under Output/logfile, '
             "and FEBio run with it"
         )
-    answer = partial(
+    read = partial(
         read_febio_log,
         model.log,
         model.load_path,
@@ -110,7 +104,7 @@ def read_febio_results(path: Path) -> list[Simulation]:
         node_ids=model.node_ids,
     )
     asked = (model.mesh, model.fixed, model.load_path, model.materials)
-    return [Simulation(str(path), *asked, answer)]
+    return [Simulation(str(path), *asked, read)]
 
 
 def _check_sections(root: ET.Element) -> None:
@@ -132,16 +126,21 @@ class _Reader:
         ids = np.array([int(node.attrib["id"]) for node in nodes])
         order = np.argsort(ids)
         self.node_ids: IntArray = ids[order]
-        points = np.array([_floats(node) for node in nodes]).reshape(-1, 3)
+        if (np.diff(self.node_ids) == 0).any():
+            raise InputError("two nodes have the same id")
+        points = np.array([floats(node) for node in nodes]).reshape(-1, 3)
         self.points: FloatArray = points[order]
         self.sets = {
-            element.attrib["name"]: self._index(_floats(element))
+            element.attrib["name"]: self._index(floats(element))
             for element in root.findall("Mesh/NodeSet")
         }
+        self.loads = LoadReader(root, self.sets, self._index, len(points))
 
     def model(self, path: Path) -> FebioModel:
         mesh, materials = self._body()
         steps = int(self._text("Control/time_steps"))
+        if not 0 < steps <= MOST_STEPS:
+            raise InputError(f"time_steps must be in 1…{MOST_STEPS} (got {steps})")
         times = float(self._text("Control/step_size")) * np.arange(1.0, steps + 1)
         log = self.root.find("Output/logfile/node_data[@data='ux;uy;uz']")
         name = None if log is None else log.get("file")
@@ -149,7 +148,7 @@ class _Reader:
             mesh=mesh,
             materials=materials,
             fixed=self._fixed(),
-            load_path=self._loads(times),
+            load_path=self.loads.path(times),
             times=times,
             node_ids=self.node_ids,
             log=None if name is None else path.parent / name,
@@ -171,7 +170,7 @@ class _Reader:
             label = _region(name, number)
             materials[label] = material_of(named[of_part[name]])
             ids += [int(cell.attrib["id"]) for cell in part]
-            cells += [_floats(cell) for cell in part]
+            cells += [floats(cell) for cell in part]
             region += [label] * len(part)
         order = np.argsort(ids)
         corners = self._index(np.array(cells).ravel()).reshape(-1, 4)
@@ -186,68 +185,18 @@ class _Reader:
     def _fixed(self) -> IntArray:
         held = []
         for bc in self.root.findall("Boundary/*"):
+            if (bc.tag, bc.get("type")) == ("bc", PRESCRIBED):
+                continue
             dofs = [bc.findtext(f"{axis}_dof") for axis in AXES]
             if bc.get("type") != "zero displacement" or dofs != ["1", "1", "1"]:
                 raise InputError(
                     f"boundary condition '{bc.get('name')}' must be zero displacement "
-                    "in x, y and z"
+                    f"in x, y and z, or {PRESCRIBED}"
                 )
-            held.append(self._set(bc))
+            held.append(self.loads.set_of(bc))
         if not held:
             raise InputError("no boundary condition holds a node")
         return np.concatenate(held)
-
-    def _loads(self, times: FloatArray) -> LoadPath:
-        force = np.zeros_like(self.points)
-        curves = set()
-        for load in self.root.findall("Loads/*"):
-            if load.get("type") != "nodal_load":
-                raise InputError(
-                    f"load '{load.get('name')}' must be nodal_load "
-                    f"(got {load.tag} {load.get('type')})"
-                )
-            scale = load.find("scale")
-            assert scale is not None
-            axis = AXES.index((load.findtext("dof") or "").strip())
-            np.add.at(force[:, axis], self._set(load), self._values(load, scale))
-            curves.add(scale.get("lc"))
-        if len(curves) != 1:
-            raise InputError(f"loads must share one load curve (got {len(curves)})")
-        factors = self._curve(curves.pop() or "", times)
-        sets = [self._set(load) for load in self.root.findall("Loads/nodal_load")]
-        nodes = np.array(list(dict.fromkeys(np.concatenate(sets).tolist())))
-        largest = max(float(factors.max()), 1.0)
-        return LoadPath(nodes, force[nodes] * largest, factors / largest)
-
-    def _values(self, load: ET.Element, scale: ET.Element) -> FloatArray:
-        text = (scale.text or "").strip()
-        if scale.get("type") != "map":
-            return np.array(float(text))
-        data = self.root.find(f"MeshData/NodeData[@name='{text}']")
-        if data is None or data.get("node_set") != load.get("node_set"):
-            raise InputError(
-                f"load '{load.get('name')}' needs NodeData '{text}' on its set"
-            )
-        values = np.zeros(len(self._set(load)))
-        for node in data:
-            values[int(node.attrib["lid"]) - 1] = float(node.text or "")
-        return values
-
-    def _curve(self, name: str, times: FloatArray) -> FloatArray:
-        points = [
-            _floats(point)
-            for point in self.root.findall(
-                f"LoadData/load_controller[@id='{name}']/points/pt"
-            )
-        ]
-        if not points:
-            raise InputError(f"there is no load curve '{name}'")
-        time, value = np.array(points).T
-        factors: FloatArray = np.interp(times, time, value)
-        return factors
-
-    def _set(self, element: ET.Element) -> IntArray:
-        return self.sets[element.attrib["node_set"].removeprefix("@node_list:")]
 
     def _index(self, ids: FloatArray | list[float]) -> IntArray:
         index = np.searchsorted(self.node_ids, ids)
@@ -259,10 +208,6 @@ class _Reader:
 
     def _text(self, where: str) -> str:
         return self.root.findtext(where) or ""
-
-
-def _floats(element: ET.Element) -> list[float]:
-    return [float(value) for value in (element.text or "").split(",")]
 
 
 def _region(part: str, number: int) -> int:

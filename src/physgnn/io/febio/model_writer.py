@@ -6,63 +6,46 @@ own, which `physgnn.io.febio.log` reads. Source of the format: FEBio User Manual
 chapter 3. Units are mm, N, MPa.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_file
+from physgnn.io.atomic import write_whole
+from physgnn.io.febio.elements import AXES, CURVE, add, listed, moved_point
+from physgnn.io.febio.load_writer import (
+    KG_M3_TO_T_MM3,
+    add_loads,
+    density_of,
+    follows_surface,
+)
 from physgnn.io.febio.materials import febio_material
+from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material
 
 REGION_PREFIX = "region-"
-AXES = "xyz"
+DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
+SECTIONS = (
+    *("Module", "Control", "Material", "Mesh", "MeshDomains", "MeshData"),
+    *("Boundary", "Loads", "LoadData"),
+)
+"""In the order in which FEBio reads them; the output comes last."""
 
-# Full Newton (a quasi-Newton method that makes no updates), tight. FEBio compares the
-# square of the residual with rtol, and min_residual is an absolute floor under which it
-# takes any state for equilibrium: at forces of millinewtons it must be 0.
-CONTROL = """\
-  <Control>
-    <analysis>STATIC</analysis>
-    <time_steps>{steps}</time_steps>
-    <step_size>1</step_size>
-    <solver type="solid">
-      <symmetric_stiffness>symmetric</symmetric_stiffness>
-      <max_refs>50</max_refs>
-      <dtol>1e-06</dtol>
-      <etol>1e-10</etol>
-      <rtol>1e-16</rtol>
-      <min_residual>0</min_residual>
-      <qn_method type="BFGS">
-        <max_ups>0</max_ups>
-      </qn_method>
-    </solver>
-  </Control>"""
-FIXED = """\
-    <bc name="fixed" type="zero displacement" node_set="fixed">
-      <x_dof>1</x_dof>
-      <y_dof>1</y_dof>
-      <z_dof>1</z_dof>
-    </bc>"""
-LOAD = """\
-    <nodal_load name="force-{axis}" type="nodal_load" node_set="loaded">
-      <dof>{axis}</dof>
-      <scale lc="1" type="map">force-{axis}</scale>
-    </nodal_load>"""
-OUTPUT = """\
-  <Output>
-    <plotfile type="febio">
-      <var type="displacement"/>
-    </plotfile>
-    <logfile>
-      <node_data data="ux;uy;uz" file="{log}"/>
-    </logfile>
-  </Output>"""
+# Tight. FEBio compares the square of the residual with rtol, and min_residual is an
+# absolute floor under which it takes any state for equilibrium: at forces of
+# millinewtons it must be 0.
+TOLERANCES = {
+    "max_refs": "50",
+    "dtol": "1e-06",
+    "etol": "1e-10",
+    "rtol": "1e-16",
+    "min_residual": "0",
+}
 
 
 def write_febio(
@@ -82,7 +65,8 @@ def write_febio(
     mesh : TetMesh
         One part a region.
     load_path : LoadPath
-        Its nodes may not be fixed.
+        Nodal forces and other loads; neither forces nor prescribed displacements may
+        be on fixed points.
     materials : mapping of region to material
         One for every region of the mesh.
     fixed : (n_fixed,) integer array
@@ -91,18 +75,22 @@ def write_febio(
     Raises
     ------
     InputError
-        If the name does not end in .feb, the load does not fit the mesh, or a region
-        has no material.
+        If the name does not end in .feb, the load does not fit the mesh, FEBio has no
+        such load, or a region has no material.
     """
     path = Path(path)
     if path.suffix != ".feb":
         raise InputError(
             f"{path}: a FEBio model is written as .feb (got '{path.suffix}')"
         )
-    load_path.case(0).check_against(mesh, fixed)  # refuses loads that are no forces
-    lines = _model(mesh, load_path, materials, fixed, log_of(path).name)
-    with whole_file(path) as part, part.open("w", encoding="utf-8") as file:
-        file.writelines(f"{line}\n" for line in lines)
+    Loading(mesh, load_path, fixed)  # refuses loads that do not fit
+    root = _model(mesh, load_path, materials, fixed)
+    _add_output(root, log_of(path).name)
+    ET.indent(root)
+    # FEBio has a reader of its own: it gets the first line, and the ends of empty
+    # elements, in the very form that it writes itself.
+    text = ET.tostring(root, encoding="unicode").replace(" />", "/>")
+    write_whole(path, f"{DECLARATION}{text}\n")
 
 
 def log_of(model: Path) -> Path:
@@ -115,88 +103,90 @@ def _model(
     load_path: LoadPath,
     materials: Mapping[int, Material],
     fixed: IntArray,
-    log: str,
-) -> Iterator[str]:
+) -> ET.Element:
+    """Return the model, all but what it puts out."""
+    root = ET.Element("febio_spec", version="4.0")
+    sections = {name: add(root, name) for name in SECTIONS}
     regions = np.unique(mesh.region).tolist()
-    yield '<?xml version="1.0" encoding="UTF-8"?>'
-    yield '<febio_spec version="4.0">'
-    yield '  <Module type="solid"/>'
-    yield CONTROL.format(steps=load_path.n_levels)
-    yield from _section("Material", _materials(regions, materials))
-    yield from _section("Mesh", _mesh(mesh, regions, fixed, load_path.nodes))
-    domains = (
-        f'    <SolidDomain name="{_part(r)}" mat="{_part(r)}"/>' for r in regions
-    )
-    yield from _section("MeshDomains", domains)
-    yield from _section("MeshData", _forces(load_path.forces))
-    yield from _section("Boundary", [FIXED])
-    yield from _section("Loads", (LOAD.format(axis=axis) for axis in AXES))
-    yield from _section("LoadData", _load_curve(load_path.load_factors))
-    yield OUTPUT.format(log=log)
-    yield "</febio_spec>"
-
-
-def _section(name: str, lines: Iterable[str]) -> Iterator[str]:
-    yield f"  <{name}>"
-    yield from lines
-    yield f"  </{name}>"
+    sections["Module"].set("type", "solid")
+    _add_control(sections["Control"], load_path)
+    _add_materials(sections["Material"], regions, materials, density_of(load_path))
+    _add_mesh(sections["Mesh"], mesh, regions)
+    for region in regions:
+        part = _part(region)
+        add(sections["MeshDomains"], "SolidDomain", name=part, mat=part)
+    add(sections["Mesh"], "NodeSet", listed((fixed + 1).tolist()), name="fixed")
+    _add_fixed(sections["Boundary"])
+    add_loads(sections, load_path)
+    _add_load_curve(sections["LoadData"], load_path.load_factors)
+    return root
 
 
 def _part(region: int) -> str:
     return f"{REGION_PREFIX}{region}"
 
 
-def _materials(regions: list[int], materials: Mapping[int, Material]) -> Iterator[str]:
+def _add_control(section: ET.Element, load_path: LoadPath) -> None:
+    """Add full Newton: a quasi-Newton method that makes no updates."""
+    add(section, "analysis", "STATIC")
+    add(section, "time_steps", str(load_path.n_levels))
+    add(section, "step_size", "1")
+    solver = add(section, "solver", type="solid")
+    kind = "non-symmetric" if follows_surface(load_path) else "symmetric"
+    add(solver, "symmetric_stiffness", kind)
+    for name, value in TOLERANCES.items():
+        add(solver, name, value)
+    add(add(solver, "qn_method", type="BFGS"), "max_ups", "0")
+
+
+def _add_materials(
+    section: ET.Element,
+    regions: list[int],
+    materials: Mapping[int, Material],
+    density_kg_m3: float | None,
+) -> None:
     for number, region in enumerate(regions, 1):
         if region not in materials:
             raise InputError(f"region {region} has no material: name one for it")
         kind, values = febio_material(materials[region])
-        yield f'    <material id="{number}" name="{_part(region)}" type="{kind}">'
-        yield from (f"      <{tag}>{value}</{tag}>" for tag, value in values.items())
-        yield "    </material>"
+        material = add(
+            section, "material", id=str(number), name=_part(region), type=kind
+        )
+        if density_kg_m3 is not None:
+            add(material, "density", moved_point(density_kg_m3, KG_M3_TO_T_MM3))
+        for tag, value in values.items():
+            add(material, tag, value)
 
 
-def _mesh(
-    mesh: TetMesh,
-    regions: list[int],
-    fixed: IntArray,
-    loaded: IntArray,
-) -> Iterator[str]:
-    yield '    <Nodes name="all">'
+def _add_mesh(section: ET.Element, mesh: TetMesh, regions: list[int]) -> None:
+    nodes = add(section, "Nodes", name="all")
     for i, point in enumerate(mesh.points.tolist(), 1):
-        yield f'      <node id="{i}">{_list(point)}</node>'
-    yield "    </Nodes>"
+        add(nodes, "node", listed(point), id=str(i))
     corners = mesh.cells + 1
     for region in regions:
-        yield f'    <Elements type="tet4" name="{_part(region)}">'
+        part = add(section, "Elements", type="tet4", name=_part(region))
         for cell in np.flatnonzero(mesh.region == region).tolist():
-            nodes = _list(corners[cell].tolist())
-            yield f'      <elem id="{cell + 1}">{nodes}</elem>'
-        yield "    </Elements>"
-    for name, ids in (("fixed", fixed), ("loaded", loaded)):
-        yield f'    <NodeSet name="{name}">{_list((ids + 1).tolist())}</NodeSet>'
+            add(part, "elem", listed(corners[cell].tolist()), id=str(cell + 1))
 
 
-def _forces(forces: FloatArray) -> Iterator[str]:
-    """Yield a map of every component; ``lid`` counts within the node set."""
-    for axis, values in zip(AXES, forces.T.tolist(), strict=True):
-        yield f'    <NodeData name="force-{axis}" node_set="loaded" data_type="scalar">'
-        for i, value in enumerate(values, 1):
-            yield f'      <node lid="{i}">{value!r}</node>'
-        yield "    </NodeData>"
+def _add_fixed(section: ET.Element) -> None:
+    bc = add(section, "bc", name="fixed", type="zero displacement", node_set="fixed")
+    for axis in AXES:
+        add(bc, f"{axis}_dof", "1")
 
 
-def _load_curve(load_factors: FloatArray) -> Iterator[str]:
-    yield '    <load_controller id="1" type="loadcurve">'
-    yield "      <interpolate>LINEAR</interpolate>"
-    yield "      <extend>CONSTANT</extend>"
-    yield "      <points>"
+def _add_load_curve(section: ET.Element, load_factors: FloatArray) -> None:
+    curve = add(section, "load_controller", id=CURVE, type="loadcurve")
+    add(curve, "interpolate", "LINEAR")
+    add(curve, "extend", "CONSTANT")
+    points = add(curve, "points")
     for time, factor in enumerate([0.0, *load_factors.tolist()]):
-        yield f"        <pt>{time},{factor!r}</pt>"
-    yield "      </points>"
-    yield "    </load_controller>"
+        add(points, "pt", f"{time},{factor!r}")
 
 
-def _list(values: list[Any]) -> str:
-    """Join numbers with commas, floats with all their digits."""
-    return ",".join(map(repr, values))
+def _add_output(root: ET.Element, log: str) -> None:
+    section = add(root, "Output")
+    plot = add(section, "plotfile", type="febio")
+    add(plot, "var", type="displacement")
+    logfile = add(section, "logfile")
+    add(logfile, "node_data", data="ux;uy;uz", file=log)

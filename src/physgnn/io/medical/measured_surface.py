@@ -7,10 +7,12 @@ import numpy as np
 from physgnn.errors import InputError
 from physgnn.geometry.measured import SurfacePoints
 from physgnn.io.medical.markups import MARKUP_READERS, read_points
+from physgnn.io.reading import reading
 from physgnn.io.surfaces.formats import SURFACE_READERS, read_surface
+from physgnn.progress import Log, no_log
 
 
-def read_surface_points(path: str | Path) -> SurfacePoints:
+def read_surface_points(path: str | Path, *, log: Log = no_log) -> SurfacePoints:
     """Read where a surface lies, RAS+ mm.
 
     Parameters
@@ -19,6 +21,8 @@ def read_surface_points(path: str | Path) -> SurfacePoints:
         A surface (.stl, .ply, .obj, .vtp), of which the points and the middles of the
         faces are taken; or points alone: a .csv of three columns, .fcsv, or an
         .mrk.json of one list.
+    log : callable
+        Called with which points were left out, and why.
 
     Raises
     ------
@@ -31,13 +35,11 @@ def read_surface_points(path: str | Path) -> SurfacePoints:
         middles = surface.points[surface.faces].mean(axis=1)
         points = np.concatenate([surface.points, middles])
     elif path.name.endswith((".csv", *MARKUP_READERS)):
-        points = read_points(path)
+        points = read_points(path, log=log)
     else:
         raise InputError(
             f"{path}: a measured surface must be {', '.join(SURFACE_READERS)}, .csv, "
             f"{' or '.join(MARKUP_READERS)} (got '{path.name}')"
         )
-    try:
+    with reading(path, "a measured surface"):
         return SurfacePoints(points)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error

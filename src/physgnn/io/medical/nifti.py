@@ -4,52 +4,69 @@ from pathlib import Path
 
 import nibabel as nib
 import numpy as np
-from nibabel.filebasedimages import ImageFileError
-from nibabel.spatialimages import HeaderDataError
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.io.atomic import whole_file
+from physgnn.io.compressed import read_unpacked
+from physgnn.io.medical.nifti_header import parsed_nifti
+from physgnn.io.medical.nifti_place import place_of
+from physgnn.io.reading import reading
+from physgnn.progress import Log, no_log
 
 SUFFIXES = (".nii", ".nii.gz")
+DESCRIPTION_BYTES = 80  # NIfTI-1's field descrip
+WHAT = "a NIfTI image"
 
 
-def read_image(path: str | Path) -> Image:
+def read_image(
+    path: str | Path, *, affine: str | None = None, log: Log = no_log
+) -> Image:
     """Read an image of one number a voxel.
+
+    Parameters
+    ----------
+    path : path
+        The image.
+    affine : str, optional
+        "sform" or "qform": which of two places that disagree is meant.
+    log : callable
+        Called with what the header leaves open and how it was read.
 
     Raises
     ------
     InputError
-        If the file is missing, no NIfTI, not of three axes, or damaged.
+        If the file is missing, no NIfTI, not of three axes, damaged, in colours or
+        complex numbers, or says of two places that it lies there.
     """
-    path = Path(path)
-    data, affine = _read(path)
-    try:
-        return Image(data, affine)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+    with reading(path, WHAT):
+        return Image(*_read(Path(path), affine, log))
 
 
-def read_segmentation(path: str | Path) -> LabelVolume:
+def read_segmentation(
+    path: str | Path, *, affine: str | None = None, log: Log = no_log
+) -> LabelVolume:
     """Read a label map.
+
+    Parameters
+    ----------
+    path, affine, log
+        As of `read_image`.
 
     Raises
     ------
     InputError
         As `read_image`, and if a voxel is not a whole number or all are 0.
     """
-    path = Path(path)
-    data, affine = _read(path)
-    try:
-        return LabelVolume(data, affine)  # type: ignore[arg-type]
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+    with reading(path, WHAT):
+        data, place = _read(Path(path), affine, log)
+        return LabelVolume(data, place)  # type: ignore[arg-type]
 
 
-def write_image(path: str | Path, image: Image) -> None:
-    """Write an image; what is no whole number as float32.
+def write_image(path: str | Path, image: Image, *, note: str = "") -> None:
+    """Write an image; what is no whole number as float32, a note in the description.
 
     Raises
     ------
@@ -63,11 +80,14 @@ def write_image(path: str | Path, image: Image) -> None:
         data = data.astype(np.uint8)
     elif data.dtype.itemsize == 8:
         data = data.astype(np.int32)  # viewers know no 64-bit images
-    save_nifti(path, nib.Nifti1Image(data, image.affine))
+    save_nifti(path, nib.Nifti1Image(data, image.affine), note=note)
 
 
-def save_nifti(path: str | Path, image: nib.Nifti1Image) -> None:
-    """Save a nibabel image in mm, whole or not at all."""
+def save_nifti(path: str | Path, image: nib.Nifti1Image, *, note: str = "") -> None:
+    """Save a nibabel image in mm, whole or not at all.
+
+    A note is added to its description, as far as 80 bytes hold it.
+    """
     path = Path(path)
     if not path.name.endswith(SUFFIXES):
         raise InputError(
@@ -75,6 +95,10 @@ def save_nifti(path: str | Path, image: nib.Nifti1Image) -> None:
             f"(got '{path.name}')"
         )
     image.header.set_xyzt_units("mm")
+    if note:
+        described = image.header["descrip"].item().decode()
+        words = "; ".join(text for text in (described, note) if text)
+        image.header["descrip"] = words.encode()[:DESCRIPTION_BYTES]
     # set both forms: some readers know the one, some the other
     image.set_qform(image.affine, 1)
     image.set_sform(image.affine, 1)
@@ -82,7 +106,9 @@ def save_nifti(path: str | Path, image: nib.Nifti1Image) -> None:
         nib.save(image, part)
 
 
-def _read(path: Path) -> tuple[NDArray[np.generic], FloatArray]:
+def _read(
+    path: Path, affine: str | None, log: Log
+) -> tuple[NDArray[np.generic], FloatArray]:
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     if not path.name.endswith(SUFFIXES):
@@ -90,17 +116,18 @@ def _read(path: Path) -> tuple[NDArray[np.generic], FloatArray]:
             f"{path}: expected a NIfTI image, {' or '.join(SUFFIXES)} "
             "(convert DICOM with dcm2niix)"
         )
-    try:
-        image = nib.load(path)
-        data = np.asanyarray(image.dataobj)  # type: ignore[attr-defined]
-    except (OSError, EOFError, ValueError, ImageFileError, HeaderDataError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise InputError(
-            f"{path}: cannot be read as NIfTI ({reason}): export it again"
-        ) from error
+    image = parsed_nifti(path, read_unpacked(path))
+    place = place_of(path, image, affine, log)
+    data = np.asanyarray(image.dataobj)
     while data.ndim > 3 and data.shape[-1] == 1:
         data = data[..., 0]
-    affine = image.affine  # type: ignore[attr-defined]
-    if affine is None or not np.isfinite(data).all():
+    if not np.isfinite(data).all():
         raise InputError(f"{path}: the image has NaN or infinite voxels: replace them")
-    return data, np.asarray(affine, dtype=np.float64)
+    return _native(data), place
+
+
+def _native(data: NDArray[np.generic]) -> NDArray[np.generic]:
+    """Return voxels in this machine's byte order and of a width that ITK knows."""
+    if data.dtype.kind == "f" and data.dtype.itemsize not in (4, 8):
+        return data.astype(np.float64)
+    return data.astype(data.dtype.newbyteorder("="), copy=False)

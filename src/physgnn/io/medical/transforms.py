@@ -3,6 +3,7 @@
 To add a format, write a function and a row in ``FIELD_FORMATS``.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -15,14 +16,20 @@ from physgnn.imaging.transforms import (
     to_itk_nifti,
     to_ras_nifti,
 )
-from physgnn.io.atomic import whole_file
+from physgnn.io.atomic import reserve, whole_file
 from physgnn.io.medical.nifti import save_nifti
+from physgnn.io.native_output import silent_native_code
 
 TRANSFORM_SUFFIX = ".h5"
+BYTES_PER_VECTOR, HEADER_BYTES = 24, 1 << 14  # at most: float64, compressed
 
 
 def write_field(
-    path: str | Path, field: DisplacementField, *, convention: str | None = None
+    path: str | Path,
+    field: DisplacementField,
+    *,
+    convention: str | None = None,
+    note: str = "",
 ) -> None:
     """Write a displacement field.
 
@@ -35,6 +42,9 @@ def write_field(
     convention : str, optional
         A row of ``FIELD_FORMATS``; by default ``"itk-transform"`` for .h5 and
         ``"itk"`` for NIfTI, which 3D Slicer and ANTs apply as they are.
+    note : str
+        What the displacement is called; goes into the description of a NIfTI file. An
+        ITK transform has no place for it.
 
     Raises
     ------
@@ -54,24 +64,41 @@ def write_field(
             f"{path}: convention '{name}' is written as "
             f"{'.nii.gz' if is_transform else TRANSFORM_SUFFIX}"
         )
-    FIELD_FORMATS[name](path, field)
+    FIELD_FORMATS[name](path, field, note)
 
 
-def _write_transform(path: Path, field: DisplacementField) -> None:
+def _write_transform(path: Path, field: DisplacementField, note: str) -> None:
+    del note
     transform = resampling_transform(field)
-    with whole_file(path) as part:
-        sitk.WriteTransform(transform, str(part))
+    save_transform(path, transform, n_vectors=math.prod(field.grid.shape))
 
 
-def _write_itk_nifti(path: Path, field: DisplacementField) -> None:
-    save_nifti(path, to_itk_nifti(field))
+def save_transform(path: Path, transform: sitk.Transform, *, n_vectors: int) -> None:
+    """Write a displacement field transform, whole or not at all.
+
+    HDF5 prints every failed write, and crashes when the process ends: the disk is asked
+    for the room beforehand.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written whole.
+    """
+    with whole_file(path, refused=(RuntimeError,)) as part:
+        reserve(part, n_vectors * BYTES_PER_VECTOR + HEADER_BYTES)
+        with silent_native_code():
+            sitk.WriteTransform(transform, str(part))
 
 
-def _write_ras_nifti(path: Path, field: DisplacementField) -> None:
-    save_nifti(path, to_ras_nifti(field))
+def _write_itk_nifti(path: Path, field: DisplacementField, note: str) -> None:
+    save_nifti(path, to_itk_nifti(field), note=note)
 
 
-FIELD_FORMATS: Mapping[str, Callable[[Path, DisplacementField], None]] = {
+def _write_ras_nifti(path: Path, field: DisplacementField, note: str) -> None:
+    save_nifti(path, to_ras_nifti(field), note=note)
+
+
+FIELD_FORMATS: Mapping[str, Callable[[Path, DisplacementField, str], None]] = {
     "itk-transform": _write_transform,
     "itk": _write_itk_nifti,
     "ras": _write_ras_nifti,

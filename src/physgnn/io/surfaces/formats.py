@@ -10,6 +10,7 @@ from pathlib import Path
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface
 from physgnn.imaging.transforms import points_to_ras
+from physgnn.io.reading import reading
 from physgnn.io.surfaces.obj import read_obj
 from physgnn.io.surfaces.ply import read_ply
 from physgnn.io.surfaces.stl import read_stl
@@ -47,14 +48,10 @@ def read_surface(path: str | Path) -> Surface:
         )
     if not path.is_file():
         raise InputError(f"{path}: no such file")
-    try:
+    # what a surface must be is said without the file's name
+    with reading(path, f"a surface, {path.suffix}"):
         surface = reader(path)
         return Surface(points_to_ras(surface.points, _space(path)), surface.faces)
-    except InputError as error:
-        if str(error).startswith(str(path)):
-            raise
-        # what a surface must be is said without the file's name
-        raise InputError(f"{path}: {error}") from error
 
 
 def _space(path: Path) -> str:
@@ -62,5 +59,6 @@ def _space(path: Path) -> str:
     with path.open("rb") as file:
         head = file.read(HEAD_BYTES)
     if path.suffix.lower() == ".vtp" and b'Name="SPACE"' in head:
-        return str(read_vtk(path).field_data["SPACE"][0])
+        said = read_vtk(path).field_data.get("SPACE")
+        return "RAS" if said is None or len(said) == 0 else str(said[0])
     return "LPS" if b"SPACE=LPS" in head else "RAS"

@@ -13,6 +13,8 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
+from physgnn.io.numbers import whole_numbers
+from physgnn.io.text import read_bytes
 
 # The names of number types, old and new, and their codes in Python's struct.
 CODES = {
@@ -41,15 +43,16 @@ class _Element(NamedTuple):
 
 def read_ply(path: Path) -> Surface:
     """Read a PLY surface; polygons become triangles, equal points one."""
-    header, end, body = path.read_bytes().partition(b"end_header")
+    header, end, body = read_bytes(path).partition(b"end_header")
     if not header.startswith(b"ply") or not end:
         raise InputError(
             f"{path}: expected PLY, but it has no PLY header: rename it or export it "
             "again"
         )
     try:
-        kind, elements = _parse_header(header.decode("ascii"))
+        kind, elements = _parse_header(header.decode("latin-1"))
         body = body.partition(b"\n")[2]
+        _check_rows(elements, len(body), is_text=kind == "ascii")
         take = _from_text(body) if kind == "ascii" else _from_bytes(body, kind)
         tables = {element.name: list(_rows(element, take)) for element in elements}
         points = [[row[axis] for axis in "xyz"] for row in tables["vertex"]]
@@ -61,7 +64,8 @@ def read_ply(path: Path) -> Surface:
     triangles = [(p[0], p[i], p[i + 1]) for p in polygons for i in range(1, len(p) - 1)]
     if not points or not triangles:
         raise InputError(f"{path}: the surface is empty: export it again")
-    return merge_points(np.array(points, np.float64), np.array(triangles, np.int32))
+    corners = whole_numbers(triangles, f"{path}: corners of faces")
+    return merge_points(np.array(points, np.float64), corners.astype(np.int32))
 
 
 def _parse_header(header: str) -> tuple[str, list[_Element]]:
@@ -80,6 +84,20 @@ def _parse_header(header: str) -> tuple[str, list[_Element]]:
     return kind, elements
 
 
+def _check_rows(elements: list[_Element], n_bytes: int, *, is_text: bool) -> None:
+    """Raise ValueError if the body cannot hold the rows that the header declares."""
+    least = 0
+    for element in elements:
+        codes = [column.length_code or column.code for column in element.columns]
+        # in text, a digit and a space; the file's last number needs no space
+        row = sum(2 if is_text else struct.calcsize(code) for code in codes)
+        if element.n_rows < 0 or (element.n_rows > 0 and row == 0):
+            raise ValueError(f"'{element.name}' has rows without properties")
+        least += element.n_rows * row
+    if least > n_bytes + 1:
+        raise ValueError(f"it declares {least} bytes or more and holds {n_bytes}")
+
+
 def _rows(element: _Element, take: Take) -> Iterator[dict[str, Any]]:
     for _ in range(element.n_rows):
         row: dict[str, Any] = {}
@@ -87,7 +105,10 @@ def _rows(element: _Element, take: Take) -> Iterator[dict[str, Any]]:
             if length_code is None:
                 row[name] = take(code, 1)[0]
             else:
-                row[name] = take(code, take(length_code, 1)[0])
+                length = take(length_code, 1)[0]
+                if length < 0:
+                    raise ValueError(f"a list has {length} numbers")
+                row[name] = take(code, length)
         yield row
 
 

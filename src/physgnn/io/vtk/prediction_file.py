@@ -1,5 +1,6 @@
 """A predicted displacement read back, and the deformed body written."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,21 +11,29 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces, region_faces
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_file
+from physgnn.io.numbers import real_numbers
+from physgnn.io.reading import reading
 from physgnn.io.vtk.reader import read_vtk
-from physgnn.io.vtk.vtu import RAS, SPACE, read_mesh
+from physgnn.io.vtk.vtu import RAS, SPACE, add_notes, read_mesh
+from physgnn.io.vtk.writer import write_vtk
+from physgnn.progress import Log, no_log
 
 DISPLACEMENT = "displacement_mm"
 STATE, DEFORMED = "state", "deformed"
+STATUS, REASONS = "status", "reasons"  # field data: what a displacement is called, why
 
 
-def read_displacement(path: str | Path) -> tuple[TetMesh, FloatArray]:
+def read_displacement(
+    path: str | Path, *, log: Log = no_log
+) -> tuple[TetMesh, FloatArray]:
     """Read a mesh in its rest state and the displacement on its points, mm.
 
     Parameters
     ----------
     path : path
         VTU, as `physgnn predict` or `write_prediction` leaves it.
+    log : callable
+        Told of the reasons why the displacement was not called ok, if there are any.
 
     Raises
     ------
@@ -36,25 +45,36 @@ def read_displacement(path: str | Path) -> tuple[TetMesh, FloatArray]:
     if STATE in grid.field_data:
         raise InputError(
             f"{path}: this body is deformed already; give the mesh at rest with its "
-            "displacement, as 'physgnn predict' or 'register' writes it unless told "
-            "otherwise"
+            "displacement, as 'physgnn predict' or 'register' writes it unless another "
+            "form is asked for"
         )
     arrays = grid.point_data
     if DISPLACEMENT not in arrays or arrays[DISPLACEMENT].shape != mesh.points.shape:
-        have = ", ".join(arrays.keys()) or "none"
+        have = ", ".join(arrays) or "none"
         raise InputError(
             f"{path}: needs a point array '{DISPLACEMENT}' of three components (it "
             f"has: {have}); make it with 'physgnn predict'"
         )
-    return mesh, np.asarray(arrays[DISPLACEMENT], dtype=np.float64)
+    if REASONS in grid.field_data and STATUS in grid.field_data:
+        status = " ".join(map(str, grid.field_data[STATUS]))
+        reasons = "; ".join(map(str, grid.field_data[REASONS]))
+        log(f"warning: {path} holds a displacement that is not ok: {status}: {reasons}")
+    with reading(path, "a displacement"):
+        return mesh, real_numbers(arrays[DISPLACEMENT], DISPLACEMENT)
 
 
-def write_deformed(path: str | Path, mesh: TetMesh, displacement: FloatArray) -> None:
+def write_deformed(
+    path: str | Path,
+    mesh: TetMesh,
+    displacement: FloatArray,
+    *,
+    notes: Mapping[str, Sequence[str]] | None = None,
+) -> None:
     """Write the body where it moves to: .vtu the mesh, .vtp its surfaces.
 
     The point array ``displacement_mm`` leads back to the rest state; the cell array
     ``region`` says whose surface a face is, 0 that of the whole brain. Unlike a rest
-    state, what is written may have cells turned inside out.
+    state, what is written may have cells turned inside out. Notes become field data.
 
     Raises
     ------
@@ -77,10 +97,10 @@ def write_deformed(path: str | Path, mesh: TetMesh, displacement: FloatArray) ->
     body.point_data[DISPLACEMENT] = displacement
     body.field_data[STATE] = [DEFORMED]
     body.field_data[SPACE] = [RAS]
+    add_notes(body, notes)
     if isinstance(body, pv.PolyData):
         body = body.clean(point_merging=False)
-    with whole_file(path) as part:
-        body.save(part)
+    write_vtk(path, body)
 
 
 def _surfaces(mesh: TetMesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

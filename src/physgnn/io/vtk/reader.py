@@ -1,42 +1,27 @@
-"""VTK's readers, made to raise instead of writing to standard error."""
+"""VTK files as arrays: by our own reader where it can, else by VTK, kept apart."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-import pyvista as pv
-from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
-
-from physgnn.errors import InputError
-
-READERS: Mapping[str, Any] = {
-    ".vtk": vtkUnstructuredGridReader,
-    ".vtp": vtkXMLPolyDataReader,
-    ".vtu": vtkXMLUnstructuredGridReader,
-}
+from physgnn.io.reading import reading
+from physgnn.io.vtk.data import VtkData
+from physgnn.io.vtk.isolated import read_isolated
+from physgnn.io.vtk.xml_arrays import OtherFeatureError
+from physgnn.io.vtk.xml_reader import KINDS, read_vtk_xml
 
 
-def read_vtk(path: Path) -> pv.DataSet:
-    """Read a file by the VTK reader of its suffix.
-
-    PyVista's own reader logs what VTK complains of; here it is the error's message.
+def read_vtk(path: Path) -> VtkData:
+    """Read a .vtu, .vtp or legacy .vtk file.
 
     Raises
     ------
     InputError
-        With VTK's complaint, if it has one.
+        If it cannot be read.
     """
-    reader = READERS[path.suffix.lower()]()
-    reader.SetFileName(str(path))
-    catcher = pv.VtkErrorCatcher(send_to_logging=False)
-    with pv.vtk_verbosity("off"), catcher:
-        reader.Update()
-    if catcher.error_events:
-        reason = " ".join(catcher.error_events[0].alert.split()).split(" (0x")[0]
-        raise InputError(
-            f"{path}: cannot be read as {path.suffix[1:].upper()} ({reason}): export "
-            "it again"
-        )
-    data: pv.DataSet = pv.wrap(reader.GetOutput())
-    return data
+    suffix = path.suffix.lower()
+    with reading(path, f"a {suffix[1:].upper()} file"):
+        if suffix in KINDS:
+            try:
+                return read_vtk_xml(path)
+            except OtherFeatureError:
+                pass
+        return read_isolated(path)

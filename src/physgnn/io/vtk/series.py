@@ -14,13 +14,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyvista as pv
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.atomic import whole_folder
+from physgnn.io.numbers import real_numbers
+from physgnn.io.reading import reading
 from physgnn.io.simulation import Simulation, solution_of
+from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.vtu import grid_of, mesh_of, save_grid
 from physgnn.mechanics.equilibrium.solution import Solution, Status
@@ -63,8 +65,8 @@ def read_series(folder: Path) -> list[Simulation]:
     except InputError as error:
         raise InputError(f"{folder}: {error}") from error
     fixed = _read(files[0], _fixed)
-    answer = partial(_answer, files, first, factors)
-    return [Simulation(str(folder), first, fixed, load_path, None, answer)]
+    read = partial(_solution, files, first, factors)
+    return [Simulation(str(folder), first, fixed, load_path, None, read)]
 
 
 def write_series(folder: str | Path, simulation: Simulation) -> None:
@@ -79,7 +81,7 @@ def write_series(folder: str | Path, simulation: Simulation) -> None:
         If the folder exists already.
     """
     mesh = simulation.mesh.with_point_sets(fixed=simulation.fixed)
-    solution = simulation.answer()
+    solution = simulation.read_solution()
     with whole_folder(Path(folder)) as part:
         part.mkdir()
         for level in np.flatnonzero(solution.status == Status.CONVERGED).tolist():
@@ -92,21 +94,18 @@ def write_series(folder: str | Path, simulation: Simulation) -> None:
             save_grid(part / f"level-{level:04d}.vtu", grid)
 
 
-def _answer(files: list[Path], mesh: TetMesh, factors: FloatArray) -> Solution:
+def _solution(files: list[Path], mesh: TetMesh, factors: FloatArray) -> Solution:
     take = partial(_vectors, name=DISPLACEMENT, mesh=mesh)
     return solution_of(np.stack([_read(file, take) for file in files]), factors)
 
 
-def _read(file: Path, take: Callable[[pv.DataSet], Any]) -> Any:
+def _read(file: Path, take: Callable[[VtkData], Any]) -> Any:
     """Read a file and take something of it; what is wrong names the file."""
-    grid = read_vtk(file)
-    try:
-        return take(grid)
-    except InputError as error:
-        raise InputError(f"{file}: {error}") from error
+    with reading(file, "a load level"):
+        return take(read_vtk(file))
 
 
-def _vectors(grid: pv.DataSet, name: str, mesh: TetMesh) -> FloatArray:
+def _vectors(grid: VtkData, name: str, mesh: TetMesh) -> FloatArray:
     """Return a point array, once the points are known to be the mesh's."""
     if grid.n_points != mesh.n_points:
         raise InputError(f"has {grid.n_points} points, the first file {mesh.n_points}")
@@ -115,15 +114,15 @@ def _vectors(grid: pv.DataSet, name: str, mesh: TetMesh) -> FloatArray:
             "its points are not the first file's: write the mesh at rest, not deformed"
         )
     if name not in grid.point_data:
-        have = ", ".join(grid.point_data.keys()) or "none"
+        have = ", ".join(grid.point_data) or "none"
         raise InputError(f"needs a point array '{name}' (it has: {have})")
-    values = np.asarray(grid.point_data[name], dtype=np.float64)
+    values = real_numbers(grid.point_data[name], f"'{name}'")
     if values.shape != (mesh.n_points, 3):
         raise InputError(f"'{name}' must be vectors (got shape {values.shape})")
     return values
 
 
-def _fixed(grid: pv.DataSet) -> IntArray:
+def _fixed(grid: VtkData) -> IntArray:
     mesh = mesh_of(grid)
     if "fixed" not in mesh.point_sets and "in_fixed" in grid.point_data:
         return np.flatnonzero(grid.point_data["in_fixed"])
@@ -141,7 +140,7 @@ def _factors(files: list[Path], force: FloatArray) -> FloatArray:
     return factors
 
 
-def _load_factor(grid: pv.DataSet) -> float | None:
+def _load_factor(grid: VtkData) -> float | None:
     return float(grid.field_data[FACTOR][0]) if FACTOR in grid.field_data else None
 
 

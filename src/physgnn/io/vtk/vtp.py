@@ -5,11 +5,15 @@ from pathlib import Path
 import numpy as np
 import pyvista as pv
 
+from physgnn.arrays import BoolArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
+from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
+from physgnn.io.vtk.xml_reader import POLYGON, STRIP
 
 HEAD_BYTES = 4096
+SMALLEST = 3  # corners of a face
 
 
 def read_vtp(path: Path) -> Surface:
@@ -21,11 +25,25 @@ def read_vtp(path: Path) -> Surface:
                 "export it again"
             )
     data = read_vtk(path)
-    corners = pv.convert_array(data.GetPolys().GetConnectivityArray())
-    if data.n_points == 0 or len(corners) == 0:
+    if data.n_points == 0 or len(data.connectivity) == 0:
         raise InputError(f"{path}: the surface is empty: export it again")
-    # VTK does not look before it triangulates
-    if corners.min() < 0 or corners.max() >= data.n_points:
-        raise InputError(f"{path}: a face names a point that is not there")
-    faces = data.triangulate().regular_faces
-    return merge_points(np.asarray(data.points), faces.astype(np.int32))
+    if (np.diff(data.offsets) < SMALLEST).any():
+        raise InputError(f"{path}: a face has fewer than {SMALLEST} corners")
+    polygons = pv.PolyData(
+        data.points,
+        faces=_with_counts(data, data.cell_types == POLYGON),
+        strips=_with_counts(data, data.cell_types == STRIP),
+    )
+    faces = polygons.triangulate().regular_faces
+    return merge_points(data.points, faces.astype(np.int32))
+
+
+def _with_counts(data: VtkData, chosen: BoolArray) -> IntArray | None:
+    """Return cells as VTK takes them, each after the number of its corners."""
+    if not chosen.any():
+        return None
+    lengths = np.diff(data.offsets)
+    inside = np.repeat(chosen, lengths)
+    # an entry more at the start of every cell
+    places = np.concatenate([[0], np.cumsum(lengths[chosen])[:-1]])
+    return np.insert(data.connectivity[inside], places, lengths[chosen])

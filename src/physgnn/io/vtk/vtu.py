@@ -5,7 +5,7 @@ data ``point_set:<name>`` (the indices in their order, what is read back) and as
 point array ``in_<name>`` of 0 and 1 to look at.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +14,14 @@ import pyvista as pv
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_file
+from physgnn.io.numbers import whole_numbers
+from physgnn.io.reading import reading
+from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
+from physgnn.io.vtk.writer import write_vtk
 
 SET_PREFIX = "point_set:"
+TETRA, CORNERS = 10, 4  # VTK's number of linear tetrahedra, and their corners
 # Without these words 3D Slicer takes the coordinates of a model for LPS.
 SPACE, RAS = "SPACE", "RAS"
 
@@ -34,7 +38,11 @@ def write_mesh(path: str | Path, mesh: TetMesh) -> None:
 
 
 def write_prediction(
-    path: str | Path, mesh: TetMesh, fields: Mapping[str, FloatArray]
+    path: str | Path,
+    mesh: TetMesh,
+    fields: Mapping[str, FloatArray],
+    *,
+    notes: Mapping[str, Sequence[str]] | None = None,
 ) -> None:
     """Write a mesh in its rest state with fields on its points.
 
@@ -47,6 +55,8 @@ def write_prediction(
     fields : mapping of str to array
         Displacement, force, error: (n_points,) or (n_points, 3) each. A name says
         its unit, such as ``displacement_mm``.
+    notes : mapping of str to lines of text, optional
+        Become field data, such as ``status`` and ``reasons``.
 
     Raises
     ------
@@ -62,7 +72,15 @@ def write_prediction(
                 f"({mesh.n_points},) or ({mesh.n_points}, 3) (got {values.shape})"
             )
         grid.point_data[name] = values
+    add_notes(grid, notes)
     save_grid(Path(path), grid)
+
+
+def add_notes(data: pv.DataSet, notes: Mapping[str, Sequence[str]] | None) -> None:
+    """Put lines of text into field data; a name without lines is left out."""
+    for name, lines in (notes or {}).items():
+        if lines:
+            data.field_data[name] = list(lines)
 
 
 def read_mesh(path: str | Path) -> TetMesh:
@@ -80,29 +98,27 @@ def read_mesh(path: str | Path) -> TetMesh:
     with path.open("rb") as file:
         if path.suffix != ".vtu" or b'type="UnstructuredGrid"' not in file.read(4096):
             raise InputError(f"{path}: expected a VTU mesh, which it is not")
-    grid = read_vtk(path)
-    try:
-        return mesh_of(grid)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+    with reading(path, "a VTU mesh"):
+        return mesh_of(read_vtk(path))
 
 
-def mesh_of(grid: pv.DataSet) -> TetMesh:
+def mesh_of(grid: VtkData) -> TetMesh:
     """Return the mesh of a grid; InputError if it has other cells or no regions."""
-    if grid.n_cells == 0 or (grid.celltypes != pv.CellType.TETRA).any():
+    four = np.diff(grid.offsets) == CORNERS
+    if grid.n_cells == 0 or not ((grid.cell_types == TETRA) & four).all():
         raise InputError("every cell must be a linear tetrahedron")
     if "region" not in grid.cell_data:
-        have = ", ".join(grid.cell_data.keys()) or "none"
+        have = ", ".join(grid.cell_data) or "none"
         raise InputError(
             f"needs a cell array 'region' (0 brain, 1 tumour; it has: {have})"
         )
     return TetMesh(
         points=grid.points,
-        cells=grid.cell_connectivity.reshape(-1, 4),
-        region=grid.cell_data["region"],
+        cells=grid.connectivity.reshape(-1, CORNERS).astype(np.int32),
+        region=whole_numbers(grid.cell_data["region"], "region").astype(np.int32),
         point_sets={
-            name.removeprefix(SET_PREFIX): np.array(grid.field_data[name])
-            for name in grid.field_data.keys()  # noqa: SIM118 (no mapping)
+            name.removeprefix(SET_PREFIX): whole_numbers(values, f"'{name}'")
+            for name, values in grid.field_data.items()
             if name.startswith(SET_PREFIX)
         },
     )
@@ -125,5 +141,4 @@ def save_grid(path: Path, grid: pv.UnstructuredGrid) -> None:
     """Write a grid; InputError if the name does not end in .vtu."""
     if path.suffix != ".vtu":
         raise InputError(f"{path}: a mesh is written as .vtu (got '{path.suffix}')")
-    with whole_file(path) as part:
-        grid.save(part)
+    write_vtk(path, grid)

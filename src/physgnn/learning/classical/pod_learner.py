@@ -29,15 +29,15 @@ class PODLearner(RowLearner):
         What is loaded.
     estimator : callable
         From a seed to an estimator of weights.
-    modes : int
+    pod_modes : int
         How many; fewer if there are fewer samples.
     """
 
     def __init__(
-        self, body: Body, estimator: Callable[[int], Estimator], *, modes: int = 128
+        self, body: Body, estimator: Callable[[int], Estimator], *, pod_modes: int = 128
     ) -> None:
         super().__init__(body, estimator)
-        self._n_modes = modes
+        self._n_modes = pod_modes
         self._modes = np.zeros((0, body.mesh.points.size), dtype=np.float32)
 
     def learn(self, store: Store, samples: IntArray, seed: int) -> None:

@@ -12,7 +12,7 @@ class PODNetwork(PODLearner):
     ----------
     body : Body
         What is loaded.
-    modes : int
+    pod_modes : int
         How many; fewer if there are fewer samples.
     width, layers : int
         Of the network's hidden part.
@@ -24,7 +24,7 @@ class PODNetwork(PODLearner):
         self,
         body: Body,
         *,
-        modes: int = 128,
+        pod_modes: int = 128,
         width: int = 128,
         layers: int = 2,
         epochs: int = 200,
@@ -33,5 +33,5 @@ class PODNetwork(PODLearner):
         super().__init__(
             body,
             lambda seed: ScaledNetwork(hidden, epochs=epochs, seed=seed),
-            modes=modes,
+            pod_modes=pod_modes,
         )

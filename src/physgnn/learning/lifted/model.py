@@ -49,16 +49,18 @@ class LiftedModel(Network):
         What it's made for.
     anchors : int
         Equilibria to expand about, besides the rest state.
-    reach : int
-        The local network works on points at most so many edges from a loaded one.
+    k_hops : int
+        The local network works on the k-hop neighbourhood of the loaded points: those
+        at most so many edges from one of them.
     width, layers : int
         Of the local network.
-    modes : int
+    pod_modes : int
         Global shapes of the correction, added by a small network; 0 leaves them out,
         and then nothing learnt belongs to this body alone.
-    settle : int
-        Under a force on few points, cells so many edges from it are brought into
-        equilibrium with what is predicted beside them (`near_loads`); 0: none are.
+    submodel_hops : int
+        Under a force on few points, the submodel of the cells at most so many edges
+        from it is solved, with what is predicted beside it as its boundary condition
+        (`near_loads`); 0: no submodel is solved.
     """
 
     zero_without_load = True
@@ -74,36 +76,37 @@ class LiftedModel(Network):
         body: Body,
         *,
         anchors: int = 6,
-        reach: int = 3,
+        k_hops: int = 3,
         width: int = 32,
         layers: int = 4,
-        modes: int = 16,
-        settle: int = 5,
+        pod_modes: int = 16,
+        submodel_hops: int = 5,
     ) -> None:
         super().__init__(body)
-        if min(anchors, reach, modes, settle) < 0 or min(width, layers) < 1:
+        given = (anchors, k_hops, pod_modes, submodel_hops, width, layers)
+        if min(given[:4]) < 0 or min(width, layers) < 1:
             raise InputError(
-                "anchors, reach, modes and settle must be ≥ 0, width and layers ≥ 1 "
-                f"(got {anchors}, {reach}, {modes}, {settle}, {width}, {layers})"
+                "anchors, k_hops, pod_modes and submodel_hops must be ≥ 0, width and "
+                f"layers ≥ 1 (got {', '.join(map(str, given))})"
             )
-        self.reach = reach
+        self.k_hops = k_hops
         n = body.mesh.n_points
         free = np.ones((n, 1))
         free[body.fixed] = 0.0
         # In float64 for the mechanics; the buffer beside it is the network's.
         self._axes64 = axes = body_axes(body.mesh)
-        self._near_loads = NearLoads(body, settle)
+        self._near_loads = NearLoads(body, submodel_hops)
         self._turned = _turned(body, axes)
         self.register_buffer("axes", as_float32(axes), persistent=False)
         self.register_buffer("free", as_float32(free), persistent=False)
         self.register_buffer("anchor_states", torch.zeros(anchors, n, 3))
         self.register_buffer("near", torch.ones(n, dtype=torch.bool))
-        self.register_buffer("modes", torch.zeros(modes, n, 3))
-        self.register_buffer("mode_scale", torch.ones(3 * modes))
+        self.register_buffer("modes", torch.zeros(pod_modes, n, 3))
+        self.register_buffer("mode_scale", torch.ones(3 * pod_modes))
         self.local = LiftedNetwork(width, layers)
         self.coefficients = nn.Sequential(
-            nn.Linear(3 * modes, HIDDEN), nn.SiLU(), nn.Linear(HIDDEN, modes)
-        ) if modes else None  # fmt: skip
+            nn.Linear(3 * pod_modes, HIDDEN), nn.SiLU(), nn.Linear(HIDDEN, pod_modes)
+        ) if pod_modes else None  # fmt: skip
         self._forget()
         self.register_load_state_dict_post_hook(_forget)  # type: ignore[no-untyped-call]
 
@@ -137,7 +140,7 @@ class LiftedModel(Network):
             Loads like those to come, each at its strongest, N.
         """
         loaded = np.flatnonzero(forces.any(axis=(0, 2)))
-        near = points_within(self.body.mesh, loaded, self.reach)
+        near = points_within(self.body.mesh, loaded, self.k_hops)
         self.near.copy_(torch.from_numpy(near))
         n_anchors = len(self.anchor_states)
         states = mean_load_anchors(self._turned, forces @ self._axes64.T, n_anchors)
@@ -149,7 +152,7 @@ class LiftedModel(Network):
         if not isinstance(other, LiftedModel) or len(self.modes) or len(other.modes):
             raise InputError(
                 "only the local part of a lifted network may serve several bodies: "
-                "train model lifted with modes = 0"
+                "train model lifted with pod_modes = 0"
             )
         shapes = [
             [tuple(weight.shape) for weight in model.local.parameters()]
@@ -243,7 +246,7 @@ class LiftedModel(Network):
 
     def refine(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
         """Bring the cells near a force on few points into equilibrium."""
-        return self._near_loads.settled(load_case, displacement)
+        return self._near_loads.corrected(load_case, displacement)
 
     def _project(self, terms: Tensor) -> Tensor:
         """Return (batch, 3 · modes) products of three fields with the modes."""

@@ -23,7 +23,7 @@ Rest = Callable[[int, int, int], Tensor]
 """From an output's place in the list of them, a number of rows and another, to the
 rows from the one to the other, (rows, columns), that are the same for all samples."""
 
-KEPT_REACHES = 16
+NEIGHBOURHOODS_CACHED = 16
 WORTHWHILE = 0.9
 
 
@@ -71,7 +71,7 @@ def unloaded(x: Tensor) -> tuple[Tensor, Tensor]:
 
 
 @dataclass(frozen=True, eq=False)
-class Reach:
+class LoadNeighbourhood:
     """Points in the order in which messages from the loads arrive.
 
     In this order the points within k hops are the first ones, so that leaving out the
@@ -98,9 +98,9 @@ class Reach:
     far: tuple[Graph, ...]
 
     @classmethod
-    def of(cls, graph: Graph, loaded: Tensor, n_layers: int) -> "Reach":
+    def of(cls, graph: Graph, loaded: Tensor, n_layers: int) -> "LoadNeighbourhood":
         """Follow the edges from the loaded points, (n_points,) bool, n_layers deep."""
-        # Kept for training as well, wherever it was first asked for.
+        # Cached for training as well, wherever it was first asked for.
         with torch.inference_mode(False):
             hops = _hops(graph, loaded, n_layers + 1)
             order = torch.argsort(hops, stable=True)
@@ -116,36 +116,36 @@ class Reach:
             )
 
     @property
-    def share(self) -> float:
+    def fraction(self) -> float:
         """The part of a whole pass's rows that a sample computes."""
-        return self._share(self.near)
+        return self._fraction(self.near)
 
     @property
-    def share_without_load(self) -> float:
+    def fraction_without_load(self) -> float:
         """The part of a whole pass's rows that are needed without load."""
-        return self._share(self.far)
+        return self._fraction(self.far)
 
-    def _share(self, graphs: tuple[Graph, ...]) -> float:
+    def _fraction(self, graphs: tuple[Graph, ...]) -> float:
         rows = sum(graph.n_points for graph in graphs)
         return rows / (len(graphs) * len(self.order))
 
 
-class _Kept(NamedTuple):
+class _WithoutLoad(NamedTuple):
     """Outputs without load, and all that they rest on.
 
-    Rows of them are picked once for the last reach, so that whoever is given them can
-    tell by the tensors that nothing changed.
+    Rows of them are picked once for the last neighbourhood asked for, so that whoever
+    is given them can tell by the tensors that nothing changed.
     """
 
     graph: Graph
     background: Tensor
     weights: list[tuple[int, int]]
     outputs: list[Tensor]
-    rest: dict[Reach, Rest]
+    rest: dict[LoadNeighbourhood, Rest]
 
 
 class Pruning:
-    """What is kept between calls: where loads reached to, and outputs without load.
+    """Caches between calls: where loads reached to, and outputs without load.
 
     Parameters
     ----------
@@ -155,12 +155,14 @@ class Pruning:
 
     def __init__(self, n_layers: int) -> None:
         self.n_layers = n_layers
-        self._reaches: OrderedDict[bytes, tuple[Graph, Reach]] = OrderedDict()
-        self._kept: _Kept | None = None
+        self._neighbourhoods: OrderedDict[bytes, tuple[Graph, LoadNeighbourhood]] = (
+            OrderedDict()
+        )
+        self._cached: _WithoutLoad | None = None
 
     def forget(self) -> None:
         """Drop the outputs without load, as after a change of precision."""
-        self._kept = None
+        self._cached = None
 
     def last_output(self, network: Layered, x: Tensor, graph: Graph) -> Tensor | None:
         """Return the network's last output on all points, or None if it wouldn't pay.
@@ -181,62 +183,74 @@ class Pruning:
         background, loaded = unloaded(x)
         if not loaded.any():
             return None
-        reach = self._reach(graph, loaded)
+        neighbourhood = self._neighbourhood(graph, loaded)
         training = torch.is_grad_enabled()
-        once = reach.share_without_load if training else 0.0
-        if reach.share + once / len(x) > WORTHWHILE:
+        once = neighbourhood.fraction_without_load if training else 0.0
+        if neighbourhood.fraction + once / len(x) > WORTHWHILE:
             return None
         find = self._on_far_points if training else self._on_all_points
-        rest = find(network, background, graph, reach)
-        last = network.outputs(x[:, reach.order], reach.near, rest)[-1]
+        rest = find(network, background, graph, neighbourhood)
+        last = network.outputs(x[:, neighbourhood.order], neighbourhood.near, rest)[-1]
         far = rest(-1, last.shape[1], graph.n_points)
-        return filled(last, far)[:, reach.place]
+        return filled(last, far)[:, neighbourhood.place]
 
-    def _reach(self, graph: Graph, loaded: Tensor) -> Reach:
+    def _neighbourhood(self, graph: Graph, loaded: Tensor) -> LoadNeighbourhood:
         key = loaded.cpu().numpy().tobytes()
-        of_graph, reach = self._reaches.get(key, (None, None))
-        if reach is None or of_graph is not graph:
-            reach = Reach.of(graph, loaded, self.n_layers)
-        self._reaches[key] = graph, reach
-        self._reaches.move_to_end(key)
-        if len(self._reaches) > KEPT_REACHES:
-            self._reaches.popitem(last=False)
-        return reach
+        of_graph, neighbourhood = self._neighbourhoods.get(key, (None, None))
+        if neighbourhood is None or of_graph is not graph:
+            neighbourhood = LoadNeighbourhood.of(graph, loaded, self.n_layers)
+        self._neighbourhoods[key] = graph, neighbourhood
+        self._neighbourhoods.move_to_end(key)
+        if len(self._neighbourhoods) > NEIGHBOURHOODS_CACHED:
+            self._neighbourhoods.popitem(last=False)
+        return neighbourhood
 
     def _on_far_points(
-        self, network: Layered, background: Tensor, graph: Graph, reach: Reach
+        self,
+        network: Layered,
+        background: Tensor,
+        graph: Graph,
+        neighbourhood: LoadNeighbourhood,
     ) -> Rest:
         """Compute outputs without load where they're used, for this batch alone."""
         n_points = graph.n_points
-        outputs = network.outputs(background[reach.order.flip(0)][None], reach.far)
+        outputs = network.outputs(
+            background[neighbourhood.order.flip(0)][None], neighbourhood.far
+        )
         return lambda place, have, n_rows: outputs[place][
             0, n_points - n_rows : n_points - have
         ].flip(0)
 
     def _on_all_points(
-        self, network: Layered, background: Tensor, graph: Graph, reach: Reach
+        self,
+        network: Layered,
+        background: Tensor,
+        graph: Graph,
+        neighbourhood: LoadNeighbourhood,
     ) -> Rest:
         """Compute outputs without load once, until something they rest on changes."""
         weights = [(w.data_ptr(), w._version) for w in network.parameters()]
-        kept = self._kept
+        cached = self._cached
         if not (
-            kept
-            and kept.graph is graph
-            and kept.weights == weights
-            and torch.equal(kept.background, background)
+            cached
+            and cached.graph is graph
+            and cached.weights == weights
+            and torch.equal(cached.background, background)
         ):
             outputs = network.outputs(background[None], [graph] * self.n_layers)
-            kept = self._kept = _Kept(graph, background, weights, outputs, {})
-        if reach not in kept.rest:
-            kept.rest.clear()
-            kept.rest[reach] = _rest_of(kept.outputs, reach)
-        return kept.rest[reach]
+            cached = self._cached = _WithoutLoad(
+                graph, background, weights, outputs, {}
+            )
+        if neighbourhood not in cached.rest:
+            cached.rest.clear()
+            cached.rest[neighbourhood] = _rest_of(cached.outputs, neighbourhood)
+        return cached.rest[neighbourhood]
 
 
-def _rest_of(outputs: list[Tensor], reach: Reach) -> Rest:
+def _rest_of(outputs: list[Tensor], neighbourhood: LoadNeighbourhood) -> Rest:
     @cache
     def rest(place: int, have: int, n_rows: int) -> Tensor:
-        return outputs[place][0, reach.order[have:n_rows]]
+        return outputs[place][0, neighbourhood.order[have:n_rows]]
 
     return rest
 

@@ -50,11 +50,12 @@ class ReducedModel(Surrogate):
     anchors : int
         How many training samples to expand about; fewer if so many points are loaded
         that they would take more than 2 GB.
-    together : int
-        How many of the nearest anchors to average the answers of.
-    reach : int
-        Cells with all points at most so many edges from a loaded one are exact.
-    reach_from_rest : int
+    nearest_anchors : int
+        The displacements about so many of the nearest anchors are averaged.
+    k_hops : int
+        Cells that lie whole in the k-hop neighbourhood of the loaded points, at most so
+        many edges from one of them, are exact.
+    k_hops_from_rest : int
         The same for loads on points that no anchor loads, which are answered about
         the rest state.
 
@@ -72,18 +73,19 @@ class ReducedModel(Surrogate):
         body: Body,
         *,
         anchors: int = 128,
-        together: int = 3,
-        reach: int = 1,
-        reach_from_rest: int = 2,
+        nearest_anchors: int = 3,
+        k_hops: int = 1,
+        k_hops_from_rest: int = 2,
     ) -> None:
         super().__init__(body)
-        if min(anchors, reach, reach_from_rest) < 0 or together < 1:
+        given = (anchors, k_hops, k_hops_from_rest, nearest_anchors)
+        if min(given[:3]) < 0 or nearest_anchors < 1:
             raise InputError(
-                "anchors, reach and reach_from_rest must be ≥ 0, together ≥ 1 (got "
-                f"{anchors}, {reach}, {reach_from_rest}, {together})"
+                "anchors, k_hops and k_hops_from_rest must be ≥ 0, nearest_anchors ≥ 1 "
+                f"(got {', '.join(map(str, given))})"
             )
-        self.together, self.reach = together, reach
-        self.reach_from_rest = reach_from_rest
+        self.nearest_anchors, self.k_hops = nearest_anchors, k_hops
+        self.k_hops_from_rest = k_hops_from_rest
         threads = torch.get_num_threads()
         self._linear = make_linear_solver(body.pattern, threads=threads)
         shape = (anchors, body.mesh.n_points, 3)
@@ -122,7 +124,7 @@ class ReducedModel(Surrogate):
     def _affordable(self, paths: Sequence[LoadPath]) -> int:
         """Return how many anchors' columns fit into memory, at least one."""
         mesh = self.body.mesh
-        near = (points_within(mesh, path.nodes, self.reach) for path in paths)
+        near = (points_within(mesh, path.nodes, self.k_hops) for path in paths)
         widest = max(int(points.sum()) for points in near)
         n_bytes = 4 * 3 * widest * 3 * mesh.n_points
         return min(len(self.states), max(MAX_BYTES // n_bytes, 1))
@@ -136,7 +138,7 @@ class ReducedModel(Surrogate):
     def predict(self, load_case: LoadCase) -> FloatArray:
         """Return the mean of the nearest expansions, (n_points, 3), mm."""
         force = load_case.on_points(self.body.mesh.n_points)
-        found = list(islice(self._converged(force), self.together))
+        found = list(islice(self._converged(force), self.nearest_anchors))
         if not found:
             nodes = tuple(np.flatnonzero(force.any(axis=1)).tolist())
             about_rest: LocalExpansion = self._about(None, nodes)
@@ -201,9 +203,9 @@ class ReducedModel(Surrogate):
 
     def _expansion(self, k: int | None, nodes: tuple[int, ...]) -> LocalExpansion:
         """Expand about an anchor, or the rest state, exact around some nodes."""
-        reach = self.reach_from_rest if k is None else self.reach
+        hops = self.k_hops_from_rest if k is None else self.k_hops
         loaded = np.array(nodes, dtype=np.int64)
-        near = points_within(self.body.mesh, loaded, reach)
+        near = points_within(self.body.mesh, loaded, hops)
         return LocalExpansion(
             self.body, self._displacement(k), np.flatnonzero(near), self._linear
         )

@@ -25,16 +25,17 @@ MAX_STATES = 24  # for the weights: (modes × states × cells) numbers in memory
 
 
 class GalerkinModel(Surrogate):
-    """Newton's method in the space of a few modes and the points near the loads.
+    """Newton's method in the space of a few POD modes and the points near the loads.
 
     Parameters
     ----------
     body : Body
         What it's made for; its elements are tet4.
-    modes : int
+    pod_modes : int
         How many.
-    reach : int
-        Points at most so many edges from a loaded one are unknowns themselves.
+    k_hops : int
+        Points in the k-hop neighbourhood of the loaded ones, at most so many edges from
+        one of them, are unknowns themselves.
     tolerance : float
         Relative error of the weighted cells' work, in (0, 1).
 
@@ -48,18 +49,23 @@ class GalerkinModel(Surrogate):
     zero_without_load = True
 
     def __init__(
-        self, body: Body, *, modes: int = 64, reach: int = 1, tolerance: float = 0.01
+        self,
+        body: Body,
+        *,
+        pod_modes: int = 64,
+        k_hops: int = 1,
+        tolerance: float = 0.01,
     ) -> None:
         super().__init__(body)
-        if modes < 1 or reach < 0 or not 0 < tolerance < 1:
+        if pod_modes < 1 or k_hops < 0 or not 0 < tolerance < 1:
             raise InputError(
-                "modes must be ≥ 1, reach ≥ 0 and tolerance in (0, 1) "
-                f"(got {modes}, {reach}, {tolerance})"
+                "pod_modes must be ≥ 1, k_hops ≥ 0 and tolerance in (0, 1) "
+                f"(got {pod_modes}, {k_hops}, {tolerance})"
             )
-        self.reach, self.tolerance = reach, tolerance
+        self.k_hops, self.tolerance = k_hops, tolerance
         n = body.mesh.n_points
         self.near = np.zeros(n, dtype=bool)
-        self.modes = np.zeros((modes, n, 3), dtype=np.float32)
+        self.modes = np.zeros((pod_modes, n, 3), dtype=np.float32)
         self.weights = np.ones(body.mesh.n_cells, dtype=np.float32)
         self._small: GalerkinBody | None = None
 
@@ -68,7 +74,7 @@ class GalerkinModel(Surrogate):
         del seed
         mesh, paths = store.mesh, np.unique(samples[:, 0])
         nodes = np.concatenate([store.load_path(int(path)).nodes for path in paths])
-        near = points_within(mesh, np.unique(nodes), self.reach)
+        near = points_within(mesh, np.unique(nodes), self.k_hops)
         near[self.body.fixed] = False
         modes = leading_modes(
             np.where(near[:, None], 0.0, _states(store, samples, MAX_SNAPSHOTS)),

@@ -33,5 +33,6 @@ def adapt(checkpoint: Checkpoint, body: Body, forces: FloatArray) -> Checkpoint:
     model.transfer(checkpoint.model, forces)
     record = {k: v for k, v in checkpoint.record.items() if k not in OF_THE_BODY}
     data = {**record["data"], "meshes": trained_meshes(checkpoint.record)}
+    data.pop("stores", None)  # they lie where the other run says
     model.prepare()
     return Checkpoint(model, {**record, "data": data})

@@ -35,6 +35,11 @@ class RunFolder:
         return self.path / "case.vtu"
 
     @property
+    def manifest(self) -> Path:
+        """The digests of the files that predictions depend on, JSON."""
+        return self.path / "manifest.json"
+
+    @property
     def state(self) -> Path:
         """What an interrupted training goes on from; written every few minutes."""
         return self.path / "last.ckpt"

@@ -1,13 +1,12 @@
 """The model card: what a run folder's network is, for people."""
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from physgnn.io.atomic import whole_file
+from physgnn.io.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
-from physgnn.learning.runs.record import processor_minutes
+from physgnn.learning.runs.record import processor_minutes, read_json
 
 LIMITS = (
     "It knows one mesh, its materials and its fixed points; another brain, or another "
@@ -32,9 +31,7 @@ def write_model_card(run: str | Path, errors: str | None = None) -> None:
         has been none.
     """
     files = RunFolder(Path(run))
-    record = json.loads(files.record.read_text("utf-8"))
-    with whole_file(files.model_card) as part:
-        part.write_text(card(record, errors), "utf-8")
+    write_whole(files.model_card, card(read_json(files.record), errors))
 
 
 def card(record: Mapping[str, Any], errors: str | None = None) -> str:

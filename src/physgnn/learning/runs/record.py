@@ -2,21 +2,44 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import torch
 
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
-from physgnn.learning.models import resolved_options
+from physgnn.learning.models import method_name, method_options, resolved_options
 from physgnn.learning.runs.folder import RunFolder
+from physgnn.learning.runs.parts import check_part
 
-VERSIONED = ("physgnn", "torch", "lightning", "numpy")
+VERSIONED = ("physgnn", "lightning", "numpy")
 EXTENDABLE = {"clock", "max_epochs", "max_minutes", "memory_mb"}
+
+
+def record_text(record: Mapping[str, Any]) -> str:
+    """Return a record as the text of its file."""
+    return json.dumps(record, indent=2, ensure_ascii=False) + "\n"
+
+
+def read_json(file: Path) -> dict[str, Any]:
+    """Return what a run's record file holds, by the names that things have now.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or is no record.
+    """
+    try:
+        record = json.loads(file.read_text("utf-8"))
+        return with_present_names(record)
+    except (OSError, ValueError, TypeError, AttributeError, RecursionError) as error:
+        raise InputError(f"{file} is damaged: {error}") from error
 
 
 def new_record(
@@ -36,7 +59,10 @@ def new_record(
     hashes = [store.content_hash() for store in stores]
     return {
         "config": {**config, "options": options},
-        "versions": {name: version(name) for name in VERSIONED},
+        "versions": {
+            **{name: version(name) for name in VERSIONED},
+            "torch": str(torch.__version__),  # its metadata may leave out the build
+        },
         "data": {
             "path": str(stores[0].path),
             "paths": [str(store.path) for store in stores],
@@ -51,6 +77,45 @@ def new_record(
             "hash": _joint([_split_hash(split) for split in splits]),
         },
     }
+
+
+def with_places(
+    record: Mapping[str, Any], run: Path, stores: Sequence[Store]
+) -> dict[str, Any]:
+    """Return the record with where its datasets lie, seen from the run and in full."""
+    places = [store.path.resolve() for store in stores]
+    folder = run.resolve()
+    where = [
+        {"from_run": os.path.relpath(place, folder), "in_full": str(place)}
+        for place in places
+    ]
+    return {**record, "data": {**record["data"], "stores": where}}
+
+
+def place_of_store(run: Path, record: Mapping[str, Any]) -> Path:
+    """Return where the (first) dataset of a run is.
+
+    It is looked for where it lay, seen from the run, then where it lay in full, then
+    under the name it had in the command, which is all that runs before 0.2 say.
+
+    Raises
+    ------
+    InputError
+        If it is at none of these.
+    """
+    data = record["data"]
+    known = next(iter(data.get("stores", ())), None)
+    places: list[Path] = []
+    if known:
+        places = [run / known["from_run"], Path(known["in_full"])]
+    places.append(Path(data["path"]))
+    for place in places:
+        if place.is_dir():
+            return place
+    raise InputError(
+        f"the dataset that {run} was trained on is not there (looked for "
+        f"{', '.join(str(place) for place in places)}): name it with --store"
+    )
 
 
 def with_start(record: Mapping[str, Any], start: Mapping[str, Any]) -> dict[str, Any]:
@@ -116,10 +181,11 @@ def check_same_run(
     defaults : mapping
         The configuration by default: what an earlier version had no setting for was so.
     """
-    try:
-        earlier = json.loads(RunFolder(run).record.read_text())
-    except (OSError, ValueError) as error:
-        raise InputError(f"{run} holds no run to resume; start a new one") from error
+    file = RunFolder(run).record
+    if not file.is_file():
+        raise InputError(f"{run} holds no run to resume; start a new one")
+    earlier = read_json(file)
+    check_part(file)
     for part, what in (("data", "hash"), ("split", "hash")):
         if earlier[part][what] != record[part][what]:
             raise InputError(
@@ -140,6 +206,17 @@ def _joint(hashes: Sequence[str]) -> str:
     if len(hashes) == 1:
         return hashes[0]
     return hashlib.sha256("".join(hashes).encode()).hexdigest()
+
+
+def with_present_names(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a record whose method and options have the names they have now."""
+    config = record.get("config")
+    if not isinstance(config, Mapping) or "model" not in config:
+        return dict(record)
+    model = config["model"]
+    options = method_options(model, config.get("options", {}))
+    named = {**config, "model": method_name(model), "options": options}
+    return {**record, "config": named}
 
 
 def _split_hash(split: Split) -> str:

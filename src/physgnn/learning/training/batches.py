@@ -65,6 +65,17 @@ class Samples(Dataset[Batch]):
                 self.cache.put((path, level), columns)
         return columns[:, :-3], columns[:, -3:]
 
+    def make_all(self) -> None:
+        """Make the samples in their order, as far as the cache has room for them.
+
+        To rounding, an encoding may depend on those made before it. Made in the order
+        in which batches ask for them, they would differ after a resume.
+        """
+        for index, (path, level) in enumerate(self.samples.tolist()):
+            self[index]
+            if self.cache is None or (path, level) not in self.cache:
+                return
+
     def _made(self, path: int, level: int) -> Tensor:
         inputs = self.model.encode(self.store.load_case(path, level))
         true = torch.tensor(self.store.displacement(path)[level])

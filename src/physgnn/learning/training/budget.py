@@ -47,6 +47,13 @@ class Budget(Callback):
         """Minutes of training so far, by the clock that ends it."""
         return self.spent[self.config.clock]
 
+    @property
+    def is_spent(self) -> bool:
+        """Whether the minutes are spent."""
+        return bool(self.config.max_minutes) and self.minutes >= (
+            self.config.max_minutes or math.inf
+        )
+
     def fraction(self, trainer: Trainer) -> float:
         """Return the part of the budget spent, whichever of its limits is nearer."""
         batches = max(int(trainer.num_training_batches), 1)
@@ -56,11 +63,11 @@ class Budget(Callback):
 
     def on_train_batch_end(self, trainer: Trainer, *_: Any) -> None:
         """Stop when the minutes are spent; the epoch still ends with a validation."""
-        if self.config.max_minutes:
-            spent = self.minutes >= self.config.max_minutes
-            # All processes stop together, or one would wait for ever.
-            if trainer.strategy.reduce_boolean_decision(spent, all=False):
-                trainer.should_stop = True
+        # All processes stop together, or one would wait for ever.
+        if self.config.max_minutes and trainer.strategy.reduce_boolean_decision(
+            self.is_spent, all=False
+        ):
+            trainer.should_stop = True
 
     def state_dict(self) -> dict[str, Any]:
         """Return the minutes spent."""

@@ -1,9 +1,11 @@
-"""What is kept and told while training goes on."""
+"""What is stored and reported while training goes on."""
 
 import csv
+import io
 import math
 import time
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,7 @@ import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
 from lightning.pytorch.callbacks import Checkpoint
 
+from physgnn.io.atomic import whole_file, write_whole
 from physgnn.learning.training.budget import Budget
 from physgnn.learning.training.lightning_module import TRAINING_LOSS, VALIDATION_LOSS
 from physgnn.progress import Progress
@@ -19,14 +22,14 @@ SECONDS_BETWEEN_STATES = 300.0
 
 
 class KeepBest(Callback):
-    """Calls back with the validation loss whenever it's the lowest so far."""
+    """Calls back with the validation loss whenever it is the lowest so far."""
 
     def __init__(self, keep: Callable[[float], None]) -> None:
         self.keep = keep
         self.loss = math.inf
 
     def on_validation_end(self, trainer: Trainer, _: LightningModule) -> None:
-        """Compare, and keep."""
+        """Compare, and call back if it is lower."""
         loss = float(trainer.callback_metrics[VALIDATION_LOSS])
         if loss < self.loss:
             self.loss = loss
@@ -46,12 +49,22 @@ class KeepState(Checkpoint):
     """Writes what a resume needs, when an epoch ends and every few minutes within it.
 
     Lightning's own callback does neither before training ends if only the last state is
-    wanted and optimisation is manual.
+    wanted and optimisation is manual. The state is written beside its place: the one
+    before stays until it is whole.
+
+    Parameters
+    ----------
+    file : path
+        Its place.
+    budget : Budget
+        Says whether a training that had ended may go on.
     """
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, file: Path, budget: Budget) -> None:
         self.file = file
+        self.budget = budget
         self._last = time.monotonic()
+        self._ended = self._ended_by_budget = False
 
     def on_train_batch_end(self, trainer: Trainer, *_: Any) -> None:
         """Write if it's time; not where the epoch's validation comes next."""
@@ -59,15 +72,37 @@ class KeepState(Checkpoint):
         if trainer.strategy.reduce_boolean_decision(late, all=False):
             self._last = time.monotonic()
             if not trainer.is_last_batch:
-                trainer.save_checkpoint(self.file)
+                self._save(trainer)
 
     def on_train_epoch_end(self, trainer: Trainer, _: LightningModule) -> None:
         """Write; the epoch has been validated."""
-        trainer.save_checkpoint(self.file)
+        self._ended = bool(trainer.should_stop)
+        self._ended_by_budget = self.budget.is_spent
+        self._save(trainer)
+
+    def on_train_start(self, trainer: Trainer, _: LightningModule) -> None:
+        """Train no further if training had ended, unless its budget has grown."""
+        more = self._ended_by_budget and not self.budget.is_spent
+        if self._ended and not more:
+            trainer.should_stop = True
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return whether training has ended, and why."""
+        return {"ended": self._ended, "by_budget": self._ended_by_budget}
+
+    def load_state_dict(self, state_dict: dict[str, Any]) -> None:
+        """Take what was so before a resume."""
+        self._ended = state_dict.get("ended", False)
+        self._ended_by_budget = state_dict.get("by_budget", False)
+
+    def _save(self, trainer: Trainer) -> None:
+        first = trainer.is_global_zero
+        with whole_file(self.file) if first else nullcontext(self.file) as part:
+            trainer.save_checkpoint(part)
 
 
 class MetricsFile(Callback):
-    """One CSV row an epoch; a resume adds to what's there."""
+    """One CSV row an epoch; a resume goes on after the last epoch before its state."""
 
     def __init__(self, file: Path, budget: Budget) -> None:
         self.file = file
@@ -84,16 +119,23 @@ class MetricsFile(Callback):
             "learning_rate": trainer.optimizers[0].param_groups[0]["lr"],
             "minutes": round(self.budget.minutes, 4),
         }
-        new = not self.file.exists()
-        with self.file.open("a", newline="") as stream:
-            writer = csv.DictWriter(stream, fieldnames=list(row))
-            if new:
-                writer.writeheader()
-            writer.writerow(row)
+        text = io.StringIO()
+        writer = csv.DictWriter(text, fieldnames=list(row), extrasaction="ignore")
+        writer.writeheader()
+        writer.writerows([*self._before(trainer.current_epoch), row])
+        write_whole(self.file, text.getvalue())
+
+    def _before(self, epoch: int) -> list[dict[str, str]]:
+        """Return the rows of earlier epochs."""
+        if not self.file.exists():
+            return []
+        with self.file.open(newline="", encoding="utf-8") as stream:
+            rows = [row for row in csv.DictReader(stream) if row["epoch"].isdigit()]
+        return [row for row in rows if int(row["epoch"]) < epoch]
 
 
 class ProgressReport(Callback):
-    """Tells a progress callback how much of the budget is spent, in thousandths."""
+    """Reports the part of the budget spent, in thousandths, to a progress callback."""
 
     def __init__(self, progress: Progress, budget: Budget) -> None:
         self.progress = progress
@@ -102,7 +144,7 @@ class ProgressReport(Callback):
     def on_train_batch_end(
         self, trainer: Trainer, _: LightningModule, outputs: Any, *__: Any
     ) -> None:
-        """Tell epoch, losses and learning rate."""
+        """Report epoch, losses and learning rate."""
         if not trainer.is_global_zero:
             return
         loss = float(torch.as_tensor(outputs["loss"]))

@@ -7,7 +7,7 @@ from typing import Any
 
 from physgnn import choices
 from physgnn.errors import InputError
-from physgnn.learning.models import MODELS, is_model
+from physgnn.learning.models import MODELS, is_model, method_name, method_options
 
 
 @dataclass(frozen=True)
@@ -17,9 +17,10 @@ class TrainingConfig:
     Parameters
     ----------
     model : str
-        A row of ``MODELS``, or ``module:Class``.
+        A row of ``MODELS``, by its present or its earlier name, or ``module:Class``.
     options : mapping
-        The method's own options, such as ``{"configuration": 3, "dataset": 2}``.
+        The method's own options, by present or earlier names, such as
+        ``{"configuration": 3, "dataset": 2}``.
     loss : str
         A row of ``LOSSES``.
     batch_size : int
@@ -81,6 +82,9 @@ class TrainingConfig:
                 f"model must be one of {', '.join(MODELS)}, or module:Class of your "
                 f"own (got {self.model})"
             )
+        options = method_options(self.model, self.options)
+        object.__setattr__(self, "options", options)
+        object.__setattr__(self, "model", method_name(self.model))
         for name, allowed in (
             ("loss", choices.LossName), ("schedule", choices.Schedule),
             ("precision", choices.PrecisionName), ("clock", choices.Clock),

@@ -13,9 +13,11 @@ from lightning.pytorch.loggers import TensorBoardLogger
 
 from physgnn.errors import InputError
 from physgnn.learning.runs.folder import RunFolder
+from physgnn.learning.training.budget import Budget
 from physgnn.learning.training.callbacks import KeepState
-from physgnn.learning.training.config import TrainingConfig
+from physgnn.learning.training.interruption import SignalsAsBefore
 from physgnn.learning.training.lightning_module import VALIDATION_LOSS
+from physgnn.learning.training.random_state import RandomState
 
 
 @dataclass(frozen=True)
@@ -50,10 +52,25 @@ class Machine:
 
 
 def make_trainer(
-    run: Path, config: TrainingConfig, callbacks: list[Callback], machine: Machine
+    run: Path, budget: Budget, callbacks: list[Callback], machine: Machine
 ) -> Trainer:
-    """Return Lightning's trainer, which keeps its state in the run's folder."""
+    """Return Lightning's trainer, which keeps its state in the run's folder.
+
+    Parameters
+    ----------
+    run : path
+        The folder.
+    budget : Budget
+        When to stop; its configuration is that of the training.
+    callbacks : list
+        What else happens meanwhile.
+    machine : Machine
+        Where to compute.
+    """
+    config = budget.config
     patience = EarlyStopping(VALIDATION_LOSS, patience=config.early_stopping)
+    state = KeepState(RunFolder(run).state, budget)
+    common = [budget, *callbacks, RandomState(), SignalsAsBefore(), patience, state]
     return Trainer(
         accelerator=machine.device,
         devices=machine.devices,
@@ -61,7 +78,7 @@ def make_trainer(
         strategy="ddp" if machine.devices * machine.num_nodes > 1 else "auto",
         use_distributed_sampler=False,
         max_epochs=config.max_epochs,
-        callbacks=[*callbacks, patience, KeepState(RunFolder(run).state)],
+        callbacks=common,
         logger=TensorBoardLogger(run, name="tensorboard", version=""),
         default_root_dir=run,
         num_sanity_val_steps=0,

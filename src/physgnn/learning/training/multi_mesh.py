@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
+import torch
 from torch import Tensor
 from torch.utils.data import DataLoader, Dataset, Sampler
 
@@ -77,8 +78,9 @@ def fitted_samples(
 ) -> tuple[list[Samples], list[Samples]]:
     """Fit each model's statistics; return training and validation samples by member.
 
-    Of several, the samples are encoded here, member by member, so that what encoding
-    keeps in memory is that of one body at a time.
+    The samples are encoded here, in the same order whether a training is resumed or
+    not. Of several bodies this is done one body after the other, so that what encoding
+    caches in memory is that of one body at a time.
     """
     training, validation = [], []
     for (store, split), model, cache in zip(members, models, caches, strict=True):
@@ -86,10 +88,9 @@ def fitted_samples(
         model.fit(store, used, seed)
         training.append(Samples(store, split.train, model, cache))
         validation.append(Samples(store, split.validation, model, cache))
+        for samples in (training[-1], validation[-1]):
+            samples.make_all()
         if len(members) > 1:
-            for samples in (training[-1], validation[-1]):
-                for i in range(len(samples)):
-                    samples[i]
             model.release()
     return training, validation
 
@@ -107,7 +108,8 @@ def validation_batches(
 ) -> DataLoader[MeshBatch]:
     """Return this process's share of the samples in order."""
     order = in_order([len(part) for part in parts], batch_size, share)
-    return DataLoader(Together(parts), batch_sampler=order)
+    own = torch.Generator()  # as above: validating draws nothing from the network's
+    return DataLoader(Together(parts), batch_sampler=order, generator=own)
 
 
 class Together(Dataset[MeshBatch]):
@@ -168,7 +170,9 @@ class ResumableLoader(DataLoader[MeshBatch]):
     """Batches that go on within an epoch; Lightning keeps the state in checkpoints."""
 
     def __init__(self, samples: Together, order: MixedOrder) -> None:
-        super().__init__(samples, batch_sampler=order)
+        # A generator of its own: an iterator draws a number, wherever it begins.
+        own = torch.Generator()
+        super().__init__(samples, batch_sampler=order, generator=own)
         self.order = order
 
     def state_dict(self) -> dict[str, int]:

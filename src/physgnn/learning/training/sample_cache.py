@@ -41,6 +41,9 @@ class SampleCache:
     def __exit__(self, *_: object) -> None:
         self._file.close()
 
+    def __contains__(self, sample: Sample) -> bool:
+        return sample in self._place
+
     def get(self, sample: Sample) -> Tensor | None:
         """Return what was put there, or None."""
         if sample not in self._place:

@@ -1,6 +1,5 @@
 """Training: a store and a split in, a run folder with the best weights out."""
 
-import json
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
@@ -14,7 +13,6 @@ from torch import Tensor
 from torch.utils.data import default_collate
 
 from physgnn.errors import InputError
-from physgnn.io.atomic import whole_file
 from physgnn.learning.cpu import only_side_by_side
 from physgnn.learning.graph import graph_of
 from physgnn.learning.models import build_model, model_class
@@ -25,6 +23,7 @@ from physgnn.learning.runs.model_card import write_model_card
 from physgnn.learning.runs.record import (
     check_same_run,
     new_record,
+    with_places,
     with_result,
     with_start,
 )
@@ -33,6 +32,7 @@ from physgnn.learning.training.budget import Budget
 from physgnn.learning.training.callbacks import KeepBest, MetricsFile, ProgressReport
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.devices import Machine, make_trainer, quiet
+from physgnn.learning.training.interruption import ending_at_signals, ending_together
 from physgnn.learning.training.lightning_module import TrainingModule
 from physgnn.learning.training.losses import LOSSES
 from physgnn.learning.training.memory import samples_at_once
@@ -46,6 +46,8 @@ from physgnn.learning.training.multi_mesh import (
     training_meshes,
     validation_batches,
 )
+from physgnn.learning.training.random_state import seeded
+from physgnn.learning.training.resuming import find_state, prepare
 from physgnn.learning.training.sample_cache import SampleCache
 from physgnn.learning.training.schedules import SCHEDULES
 from physgnn.progress import Progress
@@ -87,8 +89,10 @@ def train(
     machine : Machine
         Where to compute, in how many processes.
     resume : bool
-        Continue from the last checkpoint, which is at most five minutes older than the
-        interruption; to rounding, the result is that of a run never interrupted.
+        Continue from the last state, which is at most five minutes older than the
+        interruption, or from the beginning if there was none yet. On one machine, with
+        the same number of threads and a budget of epochs, the weights are, bit for bit,
+        those of a run never interrupted.
     start : Checkpoint, optional
         Begin with its weights, of whatever body; both models must be able to share.
 
@@ -106,19 +110,28 @@ def train(
     run = Path(run)
     members = training_meshes(store, split)
     record = new_record(members, asdict(config))
+    record = with_places(record, run, [member.store for member in members])
     if not issubclass(model_class(config.model), Network):
-        if len(members) > 1 or resume or start is not None:
+        if len(members) > 1 or start is not None:
             raise InputError(
                 f"model '{config.model}' is fitted to one body in one go: give one "
-                "dataset, and no run to resume or to begin with"
+                "dataset, and no run to begin with"
             )
-        _prepare(run, record, resume=False)
+        if resume:
+            check_same_run(run, record, asdict(TrainingConfig()))
+        else:
+            prepare(run, record)
         return _fitted(members[0], config, run, record, progress)
     if start is not None:
         record = with_start(record, start.record)
-    _prepare(run, record, resume=resume)
+    state = None
+    if resume:
+        state = find_state(run, record)
+    else:
+        prepare(run, record)
     budget = Budget(config)
     with ExitStack() as stack:
+        stack.enter_context(ending_at_signals())
         stack.enter_context(_seeded(config.seed))
         models = build_models(members, config, start.model if start else None)
         for model in models:
@@ -130,16 +143,17 @@ def train(
                 models[0], with_result(record, loss=loss, spent=budget.spent)
             ).save(run)
         )
-        callbacks = [budget, best, *_watchers(run, config, budget, progress)]
-        trainer = make_trainer(run, config, callbacks, machine)
+        callbacks = [best, *_watchers(run, config, budget, progress)]
+        trainer = make_trainer(run, budget, callbacks, machine)
         share = Share(trainer.global_rank, trainer.world_size)
         at_once = _at_once(samples, config)
         stack.enter_context(only_side_by_side())
+        stack.enter_context(ending_together(trainer))
         trainer.fit(
             TrainingModule(models, config, at_once),
             training_batches(samples, config.batch_size, config.seed, share),
             validation_batches(held_out, at_once, share),
-            ckpt_path=RunFolder(run).state if resume else None,
+            ckpt_path=state,
             weights_only=True,
         )
     if trainer.is_global_zero:
@@ -178,26 +192,8 @@ def _fitted(
 @contextmanager
 def _seeded(seed: int) -> Iterator[None]:
     """Draw random numbers from a seed, without trace in the caller's, and in quiet."""
-    with quiet(), torch.random.fork_rng(devices=[]):
-        torch.manual_seed(seed)
+    with quiet(), seeded(seed):
         yield
-
-
-def _prepare(run: Path, record: dict[str, Any], *, resume: bool) -> None:
-    """Make the run's folder, with its record; InputError if what it holds won't do."""
-    files = RunFolder(run)
-    if resume:
-        check_same_run(run, record, asdict(TrainingConfig()))
-        if not files.state.exists():
-            raise InputError(
-                f"{run} holds no run to resume: it has no {files.state.name}"
-            )
-    elif files.weights.exists() or files.state.exists():
-        raise InputError(f"{run} holds a run already: resume it, or name another")
-    else:
-        run.mkdir(parents=True, exist_ok=True)
-        with whole_file(files.record) as part:
-            part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
 
 
 def _finish(run: Path, record: dict[str, Any]) -> None:

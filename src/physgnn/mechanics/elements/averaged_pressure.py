@@ -40,7 +40,7 @@ class Averaging:
     start, points : int32 arrays
         The points of group g's cells are points[start[g]:start[g + 1]], ascending.
     place : (n_cells, 4, 4) int32 array
-        Where in `points` the group of share s has the cell's corner a.
+        Where in `points` the cell's group s has the cell's corner a.
     """
 
     groups: NDArray[np.int32]
@@ -62,8 +62,10 @@ def make_averaging(mesh: TetMesh, kappa: FloatArray) -> Averaging:
     np.add.at(volumes, groups, mesh.cell_volumes[:, None] / 4)
     kappa_of_group = np.zeros(n_groups)
     kappa_of_group[groups] = kappa[:, None]
-    members = groups[:, :, None].astype(np.int64) * mesh.n_points + mesh.cells[:, None]
-    pairs, place = np.unique(members, return_inverse=True)
+    corners_of_groups = (
+        groups[:, :, None].astype(np.int64) * mesh.n_points + mesh.cells[:, None]
+    )
+    pairs, place = np.unique(corners_of_groups, return_inverse=True)
     start = np.searchsorted(pairs, np.arange(n_groups + 1) * mesh.n_points)
     return Averaging(
         groups,
@@ -71,7 +73,7 @@ def make_averaging(mesh: TetMesh, kappa: FloatArray) -> Averaging:
         kappa_of_group,
         start.astype(np.int32),
         (pairs % mesh.n_points).astype(np.int32),
-        place.reshape(members.shape).astype(np.int32),
+        place.reshape(corners_of_groups.shape).astype(np.int32),
     )
 
 
@@ -103,10 +105,10 @@ def volume_gradients(weighted, gradients, groups, group_volumes, place, n_places
     """
     B = np.zeros((n_places, 3))
     for e in range(len(groups)):
-        for share in range(groups.shape[1]):
-            scale = 1 / (groups.shape[1] * group_volumes[groups[e, share]])
+        for g in range(groups.shape[1]):
+            scale = 1 / (groups.shape[1] * group_volumes[groups[e, g]])
             for a in range(4):
-                at = place[e, share, a]
+                at = place[e, g, a]
                 for i in range(3):
                     for j in range(3):
                         B[at, i] += scale * weighted[e, i, j] * gradients[e, a, j]

@@ -1,6 +1,6 @@
 """The internal force of states with inverted cells, which have no stress.
 
-Where det F ≤ J₀ the stress is continued along the straight line from the undeformed
+Where det F ≤ J₀ the stress is extrapolated along the straight line from the undeformed
 cell: with F₀ = I + t (F − I) the last point of it at which det ≥ J₀,
 
     P(F) = P(F₀) + ∂P/∂F(F₀) : (F − F₀),
@@ -13,7 +13,7 @@ from numba import njit
 
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.elements.cell_kinematics import kinematics
-from physgnn.mechanics.elements.tet4 import Elements, _add_force
+from physgnn.mechanics.elements.tet4 import Elements, _add_force, check_state
 from physgnn.mechanics.materials import table
 
 SMALLEST_J = 0.05
@@ -21,7 +21,7 @@ BISECTIONS = 40
 
 
 @njit(cache=True)
-def _continued_force(cells, gradients, volumes, law, constants, u, force):  # type: ignore[no-untyped-def]
+def _extrapolated_force(cells, gradients, volumes, law, constants, u, force):  # type: ignore[no-untyped-def]
     F, H, P = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     A, corner = np.empty((3, 3, 3, 3)), np.arange(4)
     n_inverted = 0
@@ -69,8 +69,9 @@ def extrapolated_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, i
     n_inverted : int
         Cells with det F ≤ 0.
     """
+    check_state(elements, u)
     force = np.zeros_like(u)
-    n_inverted = _continued_force(
+    n_inverted = _extrapolated_force(
         elements.cells,
         elements.gradients,
         elements.volumes,

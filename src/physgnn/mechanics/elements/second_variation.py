@@ -1,6 +1,6 @@
 """How the internal force curves along a direction: d²/ds² f_int(u + s v) at s = 0.
 
-The right-hand side of the second-order term of a perturbation series
+The right-hand side of the second-order term of an asymptotic expansion
 (`physgnn.mechanics.reduced.asymptotic_expansion`), asked for along many directions from
 few states.
 """

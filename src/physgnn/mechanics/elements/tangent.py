@@ -19,6 +19,7 @@ from physgnn.mechanics.elements.tet4 import (
     Elements,
     MeanState,
     _element_tangent,
+    check_state,
     mean_state,
 )
 from physgnn.mechanics.materials import table
@@ -94,9 +95,9 @@ def _rank_blocks(
     first: NDArray[np.int32], second: NDArray[np.int32], n_free: int
 ) -> tuple[sp.csr_matrix, NDArray[np.int32]]:
     """Return the upper blocks' pattern and every pair's rank in its row, or −1."""
-    kept = (first >= 0) & (second >= first)
+    used = (first >= 0) & (second >= first)
     blocks = sp.coo_matrix(
-        (np.ones(kept.sum()), (first[kept], second[kept])), shape=(n_free,) * 2
+        (np.ones(used.sum()), (first[used], second[used])), shape=(n_free,) * 2
     ).tocsr()
     blocks.sort_indices()
     key = np.repeat(np.arange(n_free), np.diff(blocks.indptr)) * n_free
@@ -104,7 +105,7 @@ def _rank_blocks(
         key + blocks.indices, first.astype(np.int64) * n_free + second
     )
     rank = place - blocks.indptr[np.maximum(first, 0)]
-    return blocks, np.where(kept, rank, -1).astype(np.int32)
+    return blocks, np.where(used, rank, -1).astype(np.int32)
 
 
 @njit(cache=True)
@@ -194,6 +195,7 @@ def assemble_tangent(
     inverted : int
         First cell with det F ≤ 0, or −1; the values are then of no use.
     """
+    check_state(elements, u)
     data = np.zeros(len(pattern.indices))
     pressure = NO_PRESSURE
     if elements.averaging is not None:

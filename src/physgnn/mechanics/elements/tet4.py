@@ -1,6 +1,6 @@
 """Linear tetrahedra: internal force, energy and tangent.
 
-Every kernel loops over cells in order and adds up in that order, so an answer does
+Every kernel loops over cells in order and adds up in that order, so a result does
 not depend on the number of threads or on the machine's scheduling.
 """
 
@@ -126,9 +126,9 @@ def _add_force(cell, gradient, volume, P, force):  # type: ignore[no-untyped-def
         x, y, z = volume * P[i, 0], volume * P[i, 1], volume * P[i, 2]
         total = 0.0
         for a in range(1, 4):
-            share = x * gradient[a, 0] + y * gradient[a, 1] + z * gradient[a, 2]
-            force[cell[a], i] += share
-            total += share
+            part = x * gradient[a, 0] + y * gradient[a, 1] + z * gradient[a, 2]
+            force[cell[a], i] += part
+            total += part
         force[cell[0], i] -= total  # a cell pulls on nothing but its own corners
 
 
@@ -200,8 +200,18 @@ class MeanState:
     pressure: FloatArray
 
 
+def check_state(elements: Elements, u: FloatArray) -> None:
+    """Raise InputError unless u has one row a point: kernels read without looking."""
+    if u.shape != (elements.n_points, 3):
+        raise InputError(
+            f"a displacement must have shape ({elements.n_points}, 3), one row a point "
+            f"(got {u.shape})"
+        )
+
+
 def mean_state(elements: Elements, u: FloatArray) -> tuple[MeanState | None, int]:
     """Average the change of volume; None and the first inverted cell if one is."""
+    check_state(elements, u)
     averaging = elements.averaging
     assert averaging is not None
     J = np.empty(len(elements.cells))
@@ -224,6 +234,7 @@ def internal_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
     inverted : int
         First cell with det F ≤ 0, or −1; the force is then of no use.
     """
+    check_state(elements, u)
     force = np.zeros((elements.n_points, 3))
     pressure = NO_PRESSURE
     if elements.averaging is not None:
@@ -246,6 +257,7 @@ def internal_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
 
 def strain_energy(elements: Elements, u: FloatArray) -> float:
     """Σ_e V W(F), N·mm; infinite if a cell is inverted."""
+    check_state(elements, u)
     total = float(
         _strain_energy(
             elements.cells,

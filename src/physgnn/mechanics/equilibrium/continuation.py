@@ -1,4 +1,4 @@
-"""Walking along a path of equilibria, in steps as long as converge."""
+"""Continuation along a path of equilibria, in the longest steps that converge."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,9 +15,11 @@ from physgnn.mechanics.equilibrium.quasi_newton import (
 )
 from physgnn.mechanics.equilibrium.solution import Status
 
-LONGEST_FALL = 150  # steps; the snap-throughs of the published sets took up to 70
-# Farther, in largest displacements so far, cells were blown out, not snapped through.
-FARTHEST_FALL = 1.0
+# Descent steps of a snap-through; those of the published sets took up to 70.
+MAX_SNAP_STEPS = 150
+# In largest displacements so far: what moves farther was not snapped through, but had
+# cells blown out.
+FARTHEST_SNAP = 1.0
 # Of the largest displacement: farther from where the path points another equilibrium
 # was found. Steps of a thirtieth went up to 0.07 on dataset 1, a jump went 0.14.
 FARTHEST_MISS = 0.1
@@ -101,17 +103,22 @@ class PathFollower:
             if not self._iteration.refactorize(self.state, reached):
                 return Equilibrium(found.state, Status.LIMIT_POINT, np.inf)
 
-    def advance_or_fall(self, target: float) -> tuple[Equilibrium, str]:
-        """Go to a load factor, along the path or beside it; say if it wasn't along.
+    def advance_or_snap_through(self, target: float) -> tuple[Equilibrium, str]:
+        """Go to a load factor along the path, or by a snap-through to another.
 
-        Where a path turns back, a body of some damping falls down in energy to another
-        equilibrium, if there is one; from there the walk goes on.
+        Where a path turns back, a damped body loses energy until it comes to rest in
+        another equilibrium, if there is one. The walk goes on from there.
+
+        Returns
+        -------
+        Equilibrium, str
+            What was found, and a line about it if the path did not lead there.
         """
         stuck = self.advance(target)
         if stuck.status == Status.CONVERGED:
             return stuck, ""
         reached, before = self.reached, self.state
-        found = self._fall(target)
+        found = self._snap_through(target)
         if found is not None:
             way = largest_norm(found.state - before)
             return (
@@ -122,16 +129,16 @@ class PathFollower:
         remedy = stuck.status.remedy
         return stuck, f"stopped at load factor {reached:.4f}: {remedy}{cell}"
 
-    def _fall(self, target: float) -> Equilibrium | None:
+    def _snap_through(self, target: float) -> Equilibrium | None:
         found = descend(
             self._iteration,
             self.state,
             fallback=self.state,
             load_factor=target,
-            max_steps=LONGEST_FALL,
+            max_steps=MAX_SNAP_STEPS,
         )
         way = largest_norm(found.state - self.state)
-        far = way >= FARTHEST_FALL * largest_norm(self.state)
+        far = way >= FARTHEST_SNAP * largest_norm(self.state)
         if far or found.status != Status.CONVERGED:
             return None
         self._departures = PathHistory(target, found.state - self._trend(target))

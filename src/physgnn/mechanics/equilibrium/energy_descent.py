@@ -68,7 +68,7 @@ def descend(
 
 
 class _Descent:
-    """A state on its way down, and what is known of the factor in use."""
+    """A state on its way down, and what was seen of the factor in use."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Newton's method to the letter: the yardstick for answers found faster.
+"""Newton's method to the letter: the yardstick for solutions found faster.
 
 Every iteration factorises K(u) in double precision. Slow (FEBio's "full Newton"),
 simple, and exact to rounding: bulk runs check a sample of their levels against it,

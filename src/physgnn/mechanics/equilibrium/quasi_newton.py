@@ -1,8 +1,8 @@
-"""Equilibrium at one load: a kept factorisation, sharpened by secant pairs.
+"""Equilibrium at one load: a cached factorisation, sharpened by secant pairs.
 
 Newton's method needs a factorisation an iteration; here one factor serves several
-load levels. It is kept in single precision (residuals are in double, so the answer
-is not), and limited-memory BFGS (Nocedal & Wright, *Numerical Optimization*, 2nd
+load levels. It is in single precision (residuals are in double, so the solution is
+not), and limited-memory BFGS (Nocedal & Wright, *Numerical Optimization*, 2nd
 ed., algorithm 7.4) corrects it with what the iteration itself learns. The factor is
 renewed when that no longer pays.
 """

@@ -1,4 +1,4 @@
-"""Equilibria a body is known to have, and its answers there to a little more force."""
+"""Reference states: equilibria found before, and the linear response about each."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,19 +26,19 @@ class ReferenceState:
 
     @classmethod
     def of(cls, body: Body, displacement: FloatArray) -> "ReferenceState":
-        """Return a state that is factorised when its answer is first asked for."""
+        """Return a state that is factorised when its response is first asked for."""
         solver: LinearSolver | None = None
 
         def respond(force: FloatArray) -> FloatArray:
             nonlocal solver
-            solver = solver or _factorized(body, displacement)
+            solver = _factorized(body, displacement) if solver is None else solver
             pattern = body.pattern
             return pattern.on_points(solver.solve(pattern.unknowns(force)))
 
         return cls(displacement, respond)
 
 
-# From a load's forces (n_points, 3), N, to the known state under the nearest load.
+# From a load's forces (n_points, 3), N, to the reference state under the nearest load.
 NearestReference = Callable[[FloatArray], ReferenceState]
 
 
@@ -46,7 +46,7 @@ def _factorized(body: Body, displacement: FloatArray) -> LinearSolver:
     solver = factorized(body, displacement, precision="single")
     if solver is None:
         raise InputError(
-            "a state known as an equilibrium is not stable: fix at least three points "
+            "a reference state is not a stable equilibrium: fix at least three points "
             "that are not in line, or train again"
         )
     return solver

@@ -1,9 +1,9 @@
 """A few cheap steps from a guess towards equilibrium: they show how far off it is.
 
-Directions come from the factor of an equilibrium known before, sharpened by what the
-steps learn; nothing is factorised. In cells turned inside out the stress is continued
+Directions come from the factor of a reference state, sharpened by what the steps learn;
+nothing is factorised. In inverted cells the stress is extrapolated
 (`physgnn.mechanics.elements.inverted`), so any guess will do, and the steps turn most
-of them back.
+of these cells back.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,8 @@ class Relaxation:
     moved : (n_points, 3) array
         The way from the guess, mm.
     last : (n_points, 3) array
-        The last step of it, mm.
+        The last step of it, mm; where not even a first could be taken, that which was
+        looked for.
     """
 
     displacement: FloatArray
@@ -48,6 +49,8 @@ class Relaxation:
         It points the way the guess was moved, and is longer than that by what seems to
         remain.
         """
+        if not self.moved.any():
+            return LEFT * self.last
         length = np.linalg.norm(self.moved, axis=1, keepdims=True)
         remains = LEFT * np.linalg.norm(self.last, axis=1, keepdims=True)
         tiny = np.finfo(float).tiny
@@ -57,10 +60,10 @@ class Relaxation:
 
 @dataclass(frozen=True, eq=False)
 class ReferenceFactor:
-    """The response about a known state, as the linear solver of an iteration."""
+    """The response about a reference state, as the linear solver of an iteration."""
 
     pattern: Pattern
-    known: ReferenceState
+    reference: ReferenceState
 
     def factorize(self, data: FloatArray) -> bool:  # noqa: ARG002
         """Return False: this factor is never renewed."""
@@ -69,7 +72,7 @@ class ReferenceFactor:
     def solve(self, right: FloatArray) -> FloatArray:
         """Return K⁻¹ b over the free unknowns."""
         force = self.pattern.on_points(right)
-        return self.pattern.unknowns(self.known.respond(force))
+        return self.pattern.unknowns(self.reference.respond(force))
 
 
 def any_state_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
@@ -94,6 +97,7 @@ def relax(iteration: QuasiNewton, start: FloatArray) -> Relaxation:
         d = iteration.direction(r)
         scale, r_new = follow(iteration, state, d, r)
         if scale == 0.0:
+            last = last if last.any() else d
             break
         last = scale * d
         iteration.remember(last, r - r_new)

@@ -132,7 +132,7 @@ def _follow(iteration: QuasiNewton, path: LoadPath, min_step: float) -> Solution
     slope = _slope_at_rest(iteration)
     walk = PathFollower(iteration, lambda factor: factor * slope, min_step=min_step)
     for level, target in enumerate(path.load_factors.tolist()):
-        found, remark = walk.advance_or_fall(target)
+        found, remark = walk.advance_or_snap_through(target)
         if remark:
             remarks.append(remark)
         status[level] = found.status

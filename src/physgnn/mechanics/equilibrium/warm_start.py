@@ -1,9 +1,10 @@
-"""From a guess to the equilibrium under one load, or along the load's path from rest.
+"""Warm start: from a guess to the equilibrium under a load, else along its path.
 
 Where a body has several equilibria under a load, the one meant is that which the load
 reaches as it grows from nothing. A guess says which that is, so equilibrium is looked
-for down in energy from it; if it is a guess for a share of the load, the rest of it is
-followed. Without one, or if there is no equilibrium next to it, all of it is.
+for down in energy from it. If the guess belongs to a fraction of the load, the path is
+followed from there to the whole load. Without a guess, or if there is no equilibrium
+next to it, the path is followed from rest.
 """
 
 from dataclasses import dataclass, replace
@@ -35,9 +36,9 @@ from physgnn.mechanics.linear.direct_solver import make_linear_solver
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadCase, LoadPath
 
-MAX_ITERATIONS = 20  # a step from a share; what needs more is better halved
+MAX_ITERATIONS = 20  # a step from a guess; what needs more is better halved
 STEPS = 30  # from rest; longer ones may miss where a path turns back
-MIN_STEP = 1 / 120  # from a share; where these fail it's better to begin at rest
+MIN_STEP = 1 / 120  # from a guess; where these fail it's better to begin at rest
 # The last try, from rest, is the solver's: what that reaches is reached here too.
 FROM_REST = SolverOptions()
 MAX_HALVINGS = 10
@@ -46,7 +47,7 @@ FAR = 1 / 10  # of the largest displacement, is too far for a guess to choose a 
 
 @dataclass(frozen=True, eq=False)
 class WarmStartSolution:
-    """Where an approach ended.
+    """Where a warm start ended.
 
     Attributes
     ----------
@@ -73,8 +74,8 @@ class WarmStartSolver:
     ----------
     body : Body
         What is loaded.
-    known : callable, optional
-        From a load's forces (n_points, 3), N, to the nearest equilibrium known; by
+    nearest : callable, optional
+        From a load's forces (n_points, 3), N, to the nearest reference state; by
         default that is the rest state.
     threads : int
         Threads of the linear solver.
@@ -84,7 +85,7 @@ class WarmStartSolver:
         self,
         body: Body,
         *,
-        known: NearestReference | None = None,
+        nearest: NearestReference | None = None,
         threads: int = 1,
     ) -> None:
         self._body, self._pattern = body, body.pattern
@@ -92,7 +93,7 @@ class WarmStartSolver:
             body.pattern, precision="single", threads=threads
         )
         at_rest = ReferenceState.of(body, np.zeros_like(body.mesh.points))
-        self._known: NearestReference = known or (lambda _: at_rest)
+        self._nearest: NearestReference = nearest or (lambda _: at_rest)
 
     def relax(self, case: LoadCase, guess: FloatArray) -> Relaxation:
         """Take a few cheap steps from a guess towards the equilibrium under a load.
@@ -103,15 +104,16 @@ class WarmStartSolver:
         guess : (n_points, 3) array
             mm, finite; cells may be inverted in it.
         """
-        known = self._known(case.on_points(len(guess)))
+        reference = self._nearest(case.on_points(len(guess)))
         iteration = replace(
-            self._iteration(case, np.inf), solver=ReferenceFactor(self._pattern, known)
+            self._iteration(case, np.inf),
+            solver=ReferenceFactor(self._pattern, reference),
         )
         start = self._pattern.unknowns(guess)
         if self._body.elements.averaging is None:
             iteration = replace(iteration, force=any_state_force)
-        else:  # stress is continued in lone cells only
-            end = self._pattern.unknowns(known.displacement)
+        else:  # stress is extrapolated in single cells only
+            end = self._pattern.unknowns(reference.displacement)
             start = _without_inverted_cells(iteration, end, start)
         return relax(iteration, start)
 
@@ -120,7 +122,7 @@ class WarmStartSolver:
         case: LoadCase,
         guess: FloatArray | None = None,
         *,
-        share: float = 1.0,
+        load_fraction: float = 1.0,
         tolerance_mm: float,
     ) -> WarmStartSolution:
         """Return the equilibrium under a load case.
@@ -130,8 +132,8 @@ class WarmStartSolver:
         case : LoadCase
         guess : (n_points, 3) array, optional
             mm; cells may be inverted in it. Without it the load is followed from rest.
-        share : float
-            Of the load, that the guess belongs to.
+        load_fraction : float
+            The fraction of the load that the guess belongs to, in (0, 1].
         tolerance_mm : float
             Bound on the estimated error of the worst point.
 
@@ -141,16 +143,19 @@ class WarmStartSolver:
             If a loaded node is missing from the mesh or fixed.
         """
         iteration = self._iteration(case, tolerance_mm)
-        known = self._known(
-            share * case.on_points(self._body.mesh.n_points)
+        reference = self._nearest(
+            load_fraction * case.on_points(self._body.mesh.n_points)
         ).displacement
-        origin, found = "guess" if share == 1.0 else "path", None
+        origin, found = "guess" if load_fraction == 1.0 else "path", None
         if guess is not None and np.isfinite(guess).all():
-            safe, start = self._pattern.unknowns(known), self._pattern.unknowns(guess)
+            safe, start = (
+                self._pattern.unknowns(reference),
+                self._pattern.unknowns(guess),
+            )
             start = _without_inverted_cells(iteration, safe, start)
-            found = _next_to(iteration, start, safe, share)
-            if found is not None and share < 1.0:
-                found = _follow(iteration, found.state, share, MIN_STEP)
+            found = _next_to(iteration, start, safe, load_fraction)
+            if found is not None and load_fraction < 1.0:
+                found = _follow(iteration, found.state, load_fraction, MIN_STEP)
         if found is None or found.status != Status.CONVERGED:
             origin, found = "path", _follow_from_rest(iteration)
         return WarmStartSolution(
@@ -173,27 +178,32 @@ class WarmStartSolver:
 
 
 def _without_inverted_cells(
-    iteration: QuasiNewton, known: FloatArray, guess: FloatArray
+    iteration: QuasiNewton, reference: FloatArray, guess: FloatArray
 ) -> FloatArray:
-    """Draw a guess back towards a known state until no cell is inverted."""
-    share = 1.0
+    """Draw a guess back towards a reference state until no cell is inverted."""
+    part = 1.0
     for _ in range(MAX_HALVINGS):
-        start = known + share * (guess - known)
+        start = reference + part * (guess - reference)
         if iteration.residual(start, 1.0)[1] < 0:
             return start
-        share /= 2
-    return known
+        part /= 2
+    return reference
 
 
 def _next_to(
-    iteration: QuasiNewton, start: FloatArray, known: FloatArray, share: float
+    iteration: QuasiNewton,
+    start: FloatArray,
+    reference: FloatArray,
+    load_fraction: float,
 ) -> Equilibrium | None:
-    """Return the equilibrium under a share of the load next to a start.
+    """Return the equilibrium under a fraction of the load next to a start.
 
     The last on the way to the whole load is proven to be stable.
     """
-    whole = share == 1.0
-    found = descend(iteration, start, fallback=known, load_factor=share, proven=whole)
+    whole = load_fraction == 1.0
+    found = descend(
+        iteration, start, fallback=reference, load_factor=load_fraction, proven=whole
+    )
     far = largest_norm(found.state - start) > FAR * largest_norm(found.state)
     return None if far or found.status != Status.CONVERGED else found
 
@@ -209,22 +219,24 @@ def _follow_from_rest(iteration: QuasiNewton) -> Equilibrium:
 
 
 def _follow(
-    iteration: QuasiNewton, state: FloatArray, share: float, min_step: float
+    iteration: QuasiNewton, state: FloatArray, load_fraction: float, min_step: float
 ) -> Equilibrium:
-    """Let the load grow from a share; return the last equilibrium if it gets stuck.
+    """Let the load grow from a fraction; return the last equilibrium if it gets stuck.
 
     The iteration's factor must be that of a state near the one it starts from.
     """
-    slope = iteration.direction(iteration.residual(state, 1.0)[0]) / (1.0 - share)
+    slope = iteration.direction(iteration.residual(state, 1.0)[0]) / (
+        1.0 - load_fraction
+    )
     walk = PathFollower(
         iteration,
-        lambda factor: state + (factor - share) * slope,
+        lambda factor: state + (factor - load_fraction) * slope,
         min_step=min_step,
-        start=share,
+        start=load_fraction,
     )
-    n_steps = int(np.ceil(STEPS * (1.0 - share)))
-    for target in np.linspace(share, 1.0, n_steps + 1)[1:].tolist():
-        found, _ = walk.advance_or_fall(target)
+    n_steps = int(np.ceil(STEPS * (1.0 - load_fraction)))
+    for target in np.linspace(load_fraction, 1.0, n_steps + 1)[1:].tolist():
+        found, _ = walk.advance_or_snap_through(target)
         if found.status != Status.CONVERGED:
             return Equilibrium(walk.state, found.status, found.residual_norm)
     rest = np.zeros_like(state)

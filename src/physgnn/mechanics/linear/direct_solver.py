@@ -1,7 +1,7 @@
 """Direct solution of K x = b for the symmetric tangent, one interface.
 
 MKL Pardiso where it is to be had (x86-64), SciPy's SuperLU elsewhere. The symbolic
-analysis is done once a pattern; factors may be kept in single precision, which
+analysis is done once a pattern; factors may be in single precision, which
 halves time and memory where they only precondition an iteration whose residuals
 are computed in double.
 """

@@ -1,4 +1,4 @@
-"""Factors kept on disk: a large body is factorised once, not at every start.
+"""Factors cached on disk: a large body is factorised once, not at every start.
 
 `RestState(cache=…)` uses it when asked. On the published brain (9444 points, one
 thread) a factor is read in 0.3 s and made in 0.8; it takes 125 MB. With averaged
@@ -59,49 +59,49 @@ def factorize_cached(
     """
     if not (isinstance(solver, PardisoSolver) and solver.storable):
         return solver.factorize(data)
-    kept = folder / _digest(pattern, data)
-    if _whole(kept) and solver.restore(kept, data):
-        _use(kept)
+    stored = folder / _digest(pattern, data)
+    if _whole(stored) and solver.restore(stored, data):
+        _use(stored)
         return True
     if not solver.factorize(data):
         return False
     with suppress(OSError):  # read-only, full: the factor in memory serves as well
-        _keep(solver, kept)
+        _store(solver, stored)
         _forget_oldest(folder, max_bytes)
     return True
 
 
-def _keep(solver: PardisoSolver, kept: Path) -> None:
-    folder = kept.parent
+def _store(solver: PardisoSolver, stored: Path) -> None:
+    folder = stored.parent
     folder.mkdir(parents=True, exist_ok=True)
     part = Path(tempfile.mkdtemp(prefix="part-", dir=folder))
     try:
         solver.store(part)
         (part / CHECKSUM).write_text(_checksum(part))
         _use(part)
-        shutil.rmtree(kept, ignore_errors=True)  # it was there but couldn't be read
-        part.replace(kept)
+        shutil.rmtree(stored, ignore_errors=True)  # it was there but couldn't be read
+        part.replace(stored)
     finally:  # another process was first, or the disk is full
         shutil.rmtree(part, ignore_errors=True)
 
 
-def _whole(kept: Path) -> bool:
+def _whole(stored: Path) -> bool:
     """Whether a factor is there, and as it was written: Pardiso does not look."""
     try:
-        return (kept / CHECKSUM).read_text() == _checksum(kept)
+        return (stored / CHECKSUM).read_text() == _checksum(stored)
     except OSError:
         return False
 
 
-def _checksum(kept: Path) -> str:
-    with (kept / FACTOR_FILE).open("rb") as file:
+def _checksum(stored: Path) -> str:
+    with (stored / FACTOR_FILE).open("rb") as file:
         return hashlib.file_digest(file, CHECKSUM).hexdigest()
 
 
-def _use(kept: Path) -> None:
+def _use(stored: Path) -> None:
     """Note that a factor was used now; the file system's own clock ticks coarsely."""
     now = time.time_ns()
-    os.utime(kept / CHECKSUM, ns=(now, now))
+    os.utime(stored / CHECKSUM, ns=(now, now))
 
 
 def _forget_oldest(folder: Path, max_bytes: int) -> None:
@@ -109,10 +109,10 @@ def _forget_oldest(folder: Path, max_bytes: int) -> None:
     factors = {
         file.parent: file.stat().st_mtime_ns for file in folder.glob(f"*/{CHECKSUM}")
     }
-    for kept in sorted(factors, key=factors.__getitem__, reverse=True):
-        total += sum(file.stat().st_size for file in kept.iterdir())
+    for stored in sorted(factors, key=factors.__getitem__, reverse=True):
+        total += sum(file.stat().st_size for file in stored.iterdir())
         if total > max_bytes:
-            shutil.rmtree(kept, ignore_errors=True)
+            shutil.rmtree(stored, ignore_errors=True)
 
 
 def _digest(pattern: Pattern, data: FloatArray) -> str:

@@ -20,12 +20,12 @@ class RestState:
     Parameters
     ----------
     body : Body
-        What is loaded. The factor of a large one (30 000 points) is kept in its folder
-        of factors, if it has one.
+        What is loaded. The factor of a large one (30 000 points) is cached in its
+        folder of factors, if it has one.
     threads : int
         Threads for factorisation and back-solves.
     cache : Path, optional
-        Folder that keeps the factor from run to run, however small the body.
+        Folder that caches the factor from run to run, however small the body.
 
     Raises
     ------

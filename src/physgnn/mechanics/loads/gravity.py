@@ -19,7 +19,7 @@ class Gravity:
     """Weight, less the buoyancy of what lies below the fluid's level.
 
     A cell is pulled by ρ V and lifted by ρ_f v, v the part of its current volume that
-    is under water as the body now lies; its four corners share alike.
+    is under water as the body now lies; its four corners carry equal parts.
 
     Parameters
     ----------
@@ -80,9 +80,9 @@ class Gravity:
                 x = mesh.points + u
                 depth = self.fluid_level_mm + x @ down
                 pull = weight - lift * submerged_volumes(x, mesh.cells, depth)
-            share = np.repeat(pull / 4 * load_factor, 4)
+            at_corner = np.repeat(pull / 4 * load_factor, 4)
             on_points = np.bincount(
-                mesh.cells.ravel(), weights=share, minlength=mesh.n_points
+                mesh.cells.ravel(), weights=at_corner, minlength=mesh.n_points
             )
             total: FloatArray = on_points[:, None] * down
             return total
@@ -118,13 +118,13 @@ def submerged_volumes(points, cells, depth):  # type: ignore[no-untyped-def]
             + p[1] * (q[2] * r[0] - q[0] * r[2])
             + p[2] * (q[0] * r[1] - q[1] * r[0])
         ) / 6
-        volumes[e] = volume * _submerged_share(np.sort(depth[cells[e]]))
+        volumes[e] = volume * _submerged_fraction(np.sort(depth[cells[e]]))
     return volumes
 
 
 @njit(cache=True)
-def _submerged_share(depth):  # type: ignore[no-untyped-def]
-    """Share of a tetrahedron below the surface; depths ascending."""
+def _submerged_fraction(depth):  # type: ignore[no-untyped-def]
+    """Fraction of a tetrahedron below the surface; depths ascending."""
     a, b, c, d = depth
     if a >= 0:
         return 1.0

@@ -1,4 +1,4 @@
-"""Pushes on a patch of the surface: small and large, gentle and strong."""
+"""Patch loads drawn at random: small and large, gentle and strong."""
 
 import numpy as np
 
@@ -30,7 +30,7 @@ def patch_load_paths(
     n_paths: int,
     seed: int = 0,
 ) -> list[LoadPath]:
-    """Return paths that push round patches, each of a size and force of its own.
+    """Return paths of loads on round patches, each of a size and force of its own.
 
     A path's patch lies about a loaded node chosen at random; its radius is uniform in
     the logarithm, its force uniform, its direction uniform on the spherical cap of
@@ -47,7 +47,7 @@ def patch_load_paths(
     force_n : (float, float)
         Smallest and largest force on a patch at load factor 1, N.
     nodal_force_n : float
-        A node's largest share, N: what small patches get less than `force_n` by.
+        Largest force on one node, N. It limits the force on small patches.
     cone_deg : float
         Degrees, in [0, 180].
     n_levels, n_paths : int
@@ -69,17 +69,19 @@ def patch_load_paths(
         centre = int(random.integers(len(nodes)))
         radius = np.exp(random.uniform(*np.log(radius_mm)))
         distance = np.linalg.norm(points - points[centre], axis=1)
-        share = patch_shares(distance / radius, normals, centre)
-        force = min(random.uniform(*force_n), nodal_force_n / share.max())
+        fraction = patch_load_fractions(distance / radius, normals, centre)
+        force = min(random.uniform(*force_n), nodal_force_n / fraction.max())
         direction = within_cone(random, normals[centre], cone_deg)
-        patch = np.flatnonzero(share)
-        forces = force * share[patch, None] * direction
+        patch = np.flatnonzero(fraction)
+        forces = force * fraction[patch, None] * direction
         paths.append(LoadPath(nodes[patch], forces, factors))
     return paths
 
 
-def patch_shares(distance: FloatArray, normals: FloatArray, nearest: int) -> FloatArray:
-    """Return each node's share of a push on a patch of the surface.
+def patch_load_fractions(
+    distance: FloatArray, normals: FloatArray, nearest: int
+) -> FloatArray:
+    """Return the fraction of a patch load that each node carries.
 
     Even up to half the radius, falling to nothing at the radius as a cosine; they add
     up to 1. Where no node lies within the radius the nearest one takes all.
@@ -98,14 +100,14 @@ def patch_shares(distance: FloatArray, normals: FloatArray, nearest: int) -> Flo
     (n,) array
     """
     falling = np.clip((distance - PLATEAU) / (1 - PLATEAU), 0.0, 1.0)
-    share: FloatArray = 0.5 * (1.0 + np.cos(np.pi * falling))
-    share[distance >= 1] = 0.0
+    fraction: FloatArray = 0.5 * (1.0 + np.cos(np.pi * falling))
+    fraction[distance >= 1] = 0.0
     # The other side of a cleft is near, but no instrument touches both.
-    share[normals @ normals[nearest] <= 0] = 0.0
-    if not share.any():
-        share[nearest] = 1.0
-    share /= share.sum()
-    return share
+    fraction[normals @ normals[nearest] <= 0] = 0.0
+    if not fraction.any():
+        fraction[nearest] = 1.0
+    fraction /= fraction.sum()
+    return fraction
 
 
 def _check(radius_mm: Range, force_n: Range, nodal_force_n: float) -> None:

@@ -31,7 +31,7 @@ class LoadCase:
     ------
     InputError
         If shapes disagree, a node comes twice, a force is NaN, or all are zero
-        (``allow_zero`` is not offered: the answer to no load is no displacement).
+        (``allow_zero`` is not offered: without a load there is no displacement).
     """
 
     nodes: IntArray

@@ -1,4 +1,4 @@
-"""Displacements that are known: surface points pushed to measured places."""
+"""Prescribed displacements: surface points moved to measured places."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from physgnn.geometry.tetmesh import TetMesh
 
 @dataclass(frozen=True, eq=False)
 class PrescribedDisplacement:
-    """Points that go where they are told, in proportion to the load factor.
+    """Points moved by given displacements, in proportion to the load factor.
 
     Parameters
     ----------

@@ -53,9 +53,9 @@ class SurfacePressure:
         def force(u: FloatArray, load_factor: float) -> FloatArray:
             a, b, c = (mesh.points + u)[self.faces].transpose(1, 0, 2)
             area = np.cross(b - a, c - a) / 2
-            share = -1e-6 * self.pressure_pa * load_factor * area / 3
+            at_corner = -1e-6 * self.pressure_pa * load_factor * area / 3
             total = np.zeros_like(u)
-            np.add.at(total, self.faces, share[:, None])
+            np.add.at(total, self.faces, at_corner[:, None])
             return total
 
         return force

@@ -27,6 +27,11 @@ _BENNION = (
     "Bennion et al. 2022 (PMC9748497), identified in vivo from prone and supine MRI "
     "with FEBio: shear modulus 670 Pa, exponent -19, bulk modulus 148 kPa"
 )
+_BUDDAY = (
+    "our fit of one Ogden term at Poisson's ratio 0.49 to tension, compression and "
+    "shear of human {}: Budday et al. 2017, Acta Biomater. 48, as distributed with "
+    "LivingMatterLab/CANN; RMS error over RMS stress {} / {} / {} %"
+)
 
 
 @dataclass(frozen=True)
@@ -52,4 +57,10 @@ TISSUES: Mapping[str, Tissue] = {
     "tumour-ogden": Tissue(_ogden(3 * 842.0, -4.7, 2 / 1.59e-5), _SLICER),
     "ventricle-ogden": Tissue(_ogden(4.54, 2.0, 2 / 0.008), _SLICER),
     "brain-in-vivo": Tissue(_ogden(670.0, -19.0, 148_000.0), _BENNION),
+    "cortex": Tissue(
+        _ogden(1469.5, -19.11, 72_985.0), _BUDDAY.format("cortex", 15, 3, 10)
+    ),
+    "corona-radiata": Tissue(
+        _ogden(634.6, -24.03, 31_518.0), _BUDDAY.format("corona radiata", 5, 15, 12)
+    ),
 }

@@ -34,11 +34,11 @@ def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatAr
     mean = forces.mean(axis=0)
     mean[body.fixed] = 0.0
     rest = RestState(body)
-    answer = rest.solve(mean)
-    work = float((mean * answer).sum())
+    response = rest.solve(mean)
+    work = float((mean * response).sum())
     if n_anchors == 0 or work == 0.0:
         return np.zeros((n_anchors, *mean.shape))
-    largest = float(np.tensordot(forces, answer, axes=2).max()) / work
+    largest = float(np.tensordot(forces, response, axes=2).max()) / work
     nodes = np.flatnonzero(mean.any(axis=1))
     steps = np.arange(1, n_anchors + 1) / n_anchors
     path = LoadPath(nodes, largest * mean[nodes], steps)

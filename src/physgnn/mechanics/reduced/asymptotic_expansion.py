@@ -1,4 +1,4 @@
-"""A load's answer to second order about the nearest known equilibrium, no iteration.
+"""The solution under a load to second order about the nearest anchor, no iteration.
 
 About an equilibrium ū under the load f̄, u(s) = ū + s u₁ + s² u₂ + … balances the load
 f̄ + s (f − f̄) order by order, with K = K(ū) the only matrix (the asymptotic-numerical
@@ -36,7 +36,7 @@ class Expansion:
     anchor : array
         Displacement of the equilibrium expanded about.
     first, second : array
-        u₁ and u₂; the answer to second order is anchor + first + second.
+        u₁ and u₂; the solution to second order is anchor + first + second.
     """
 
     anchor: FloatArray
@@ -45,7 +45,7 @@ class Expansion:
 
     @property
     def displacement(self) -> FloatArray:
-        """The answer to second order."""
+        """The solution to second order."""
         return self.anchor + self.first + self.second
 
 
@@ -53,9 +53,9 @@ class AsymptoticExpansion:
     """Expands loads on one body about its rest state or an anchor.
 
     An anchor needs no load of its own: it is in equilibrium with whatever its internal
-    force is. Each is factorised when first used, and kept with its factor (single
-    precision, ~80 MB for 9000 points) and its answers to loads on the points where the
-    anchors' own loads act.
+    force is. Each is factorised when first used, and cached with its factor (single
+    precision, ~80 MB for 9000 points) and its responses to loads on the points where
+    the anchors' own loads act.
 
     Parameters
     ----------

@@ -3,7 +3,7 @@
 Energy-conserving sampling and weighting (ECSW: Farhat, Avery, Chapman & Cortial 2014,
 Int. J. Numer. Meth. Eng. 98, section 4): weights w ≥ 0, most of them zero, such that
 Σ w_e Φᵀf_e = Σ Φᵀf_e, to a tolerance, for the modes Φ and the cells' forces f_e in
-known states. Since no weight is negative, what is left is the energy of a body still.
+training states. Since no weight is negative, the sum is still the energy of a body.
 """
 
 from dataclasses import replace
@@ -55,7 +55,7 @@ def weigh_cells(works: NDArray[np.float32], tolerance: float) -> FloatArray:
     Parameters
     ----------
     works : (n_works, n_cells) float32 array
-        From `cell_works`, of as many states as are known.
+        From `cell_works`, of the training states.
     tolerance : float
         Relative residual to stop at.
     """
@@ -91,10 +91,10 @@ def _fitted(
             fitted[active] = wanted
             return fitted
         # Go towards the fit until the first weight reaches zero, and let it go.
-        now, falls = weights[active], wanted <= 0
-        share = (now[falls] / np.maximum(now[falls] - wanted[falls], 1e-300)).min()
+        now, shrinks = weights[active], wanted <= 0
+        part = (now[shrinks] / np.maximum(now[shrinks] - wanted[shrinks], 1e-300)).min()
         weights = weights.copy()
-        weights[active] = now + share * (wanted - now)
-        gone = falls & (weights[active] <= 1e-12 * weights.max(initial=0.0))
+        weights[active] = now + part * (wanted - now)
+        gone = shrinks & (weights[active] <= 1e-12 * weights.max(initial=0.0))
         weights[active[gone]] = 0.0
         active = active[~gone]

@@ -1,6 +1,6 @@
 """The minimum of an energy of some hundred unknowns, by Newton's method.
 
-Each step goes no further than energy falls, and a step that inverts a cell raises the
+Each step goes no further than energy decreases. A step that inverts a cell raises the
 energy to infinity: what is found is a stable equilibrium with every det F > 0.
 """
 
@@ -15,7 +15,7 @@ from physgnn.arrays import FloatArray
 
 MAX_STEPS = 40
 MAX_HALVINGS = 30
-ENOUGH = 1e-4  # of the fall in energy that the slope promises (Armijo's rule)
+ENOUGH = 1e-4  # of the decrease in energy that the slope promises (Armijo's rule)
 ROUNDING = 1e-12  # of the energy, must not turn down small steps
 TOLERANCE_MM = 1e-4
 
@@ -47,8 +47,8 @@ def dense_solve(stiffness: FloatArray, force: FloatArray) -> FloatArray | None:
         factor = cho_factor(stiffness, check_finite=False)
     except LinAlgError:
         return None
-    answer: FloatArray = cho_solve(factor, force, check_finite=False)
-    return answer
+    solution: FloatArray = cho_solve(factor, force, check_finite=False)
+    return solution
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ def minimise(
         residual = load - body.force(x)
         step = _downwards(body, x, residual, solve)
         if np.abs(step).max() < TOLERANCE_MM and np.isfinite(body.energy(x + step)):
-            return Minimum(x + step, True, steps)  # its fall in energy is rounding
+            return Minimum(x + step, True, steps)  # its gain in energy is rounding
         scale, slope = 1.0, float(step @ residual)
         for _ in range(MAX_HALVINGS):
             moved = x + scale * step
@@ -107,7 +107,7 @@ def _downwards(
     body: SmallBody, x: FloatArray, residual: FloatArray, solve: Solve
 ) -> FloatArray:
     """Return Newton's step, or where K is indefinite one that leads down too."""
-    K, share = body.stiffness(x), 0.0
-    while (step := solve(K + share * body.stable, residual)) is None:
-        share = max(4 * share, 1e-3)
+    K, weight = body.stiffness(x), 0.0
+    while (step := solve(K + weight * body.stable, residual)) is None:
+        weight = max(4 * weight, 1e-3)
     return step

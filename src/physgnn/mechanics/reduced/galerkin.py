@@ -1,4 +1,4 @@
-"""Equilibrium in a small space: points near the loads, and modes for everything else.
+"""Equilibrium in a small space: points near the loads, POD modes everywhere else.
 
 u = E w + Φ q, with E the unknowns of a few points, free to move as they like, and Φ
 modes that are zero there. Energy is that of a few weighted cells
@@ -17,7 +17,7 @@ from physgnn.mechanics.reduced.energy_minimiser import Minimum, minimise
 
 
 class GalerkinBody:
-    """A body in a small space; it is what `small_newton.minimise` asks for.
+    """A body in a small space, as `energy_minimiser.minimise` takes it.
 
     Parameters
     ----------
@@ -40,17 +40,17 @@ class GalerkinBody:
         modes: FloatArray,
     ) -> None:
         self._points, self._modes = points, modes
-        kept = np.flatnonzero(weights)
-        used = np.unique(elements.cells[kept])
+        used_cells = np.flatnonzero(weights)
+        used = np.unique(elements.cells[used_cells])
         place = np.full(elements.n_points, -1, dtype=np.int32)
         place[used] = np.arange(len(used), dtype=np.int32)
         self._elements = replace(
             elements,
-            cells=place[elements.cells[kept]],
-            gradients=elements.gradients[kept],
-            volumes=elements.volumes[kept] * weights[kept],
-            law=elements.law[kept],
-            constants=elements.constants[kept],
+            cells=place[elements.cells[used_cells]],
+            gradients=elements.gradients[used_cells],
+            volumes=elements.volumes[used_cells] * weights[used_cells],
+            law=elements.law[used_cells],
+            constants=elements.constants[used_cells],
             n_points=len(used),
         )
         none = np.empty(0, dtype=np.int64)
@@ -94,11 +94,11 @@ class GalerkinBody:
         )
         K = upper + sp.triu(upper, 1).T
         own = (3 * self._own[:, None] + np.arange(3)).ravel()
-        pushed = K @ self._shapes
+        stiffened = K @ self._shapes
         return np.block(
             [
-                [K.tocsr()[own][:, own].toarray(), pushed[own]],
-                [pushed[own].T, self._shapes.T @ pushed],
+                [K.tocsr()[own][:, own].toarray(), stiffened[own]],
+                [stiffened[own].T, self._shapes.T @ stiffened],
             ]
         )
 

@@ -33,8 +33,8 @@ class LoadDistance:
             some = np.arange(first, min(first + COLUMNS_AT_ONCE, n))
             unit = np.zeros((len(some), body.mesh.n_points, 3))
             unit[np.arange(len(some)), self.nodes[some // 3], some % 3] = 1.0
-            answer = rest.solve(unit)[:, self.nodes]
-            compliance[some] = answer.reshape(len(some), -1)
+            response = rest.solve(unit)[:, self.nodes]
+            compliance[some] = response.reshape(len(some), -1)
         self._root = np.linalg.cholesky((compliance + compliance.T) / 2)
 
     def coordinates(self, forces: FloatArray) -> FloatArray:

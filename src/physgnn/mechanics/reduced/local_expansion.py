@@ -1,4 +1,4 @@
-"""Exactly nonlinear near the loads, linear about a known state everywhere else.
+"""Exactly nonlinear near the loads, linear about a reference state everywhere else.
 
 A force on a few points strains a few cells beyond anything linear, and the rest of the
 body little. With g(u) what the internal force of the cells near the loads departs from
@@ -34,7 +34,7 @@ COLUMNS_AT_ONCE = 32
 
 
 @dataclass(frozen=True, eq=False)
-class LocalAnswer:
+class LocalSolution:
     """What a local expansion found.
 
     Attributes
@@ -53,7 +53,7 @@ class LocalAnswer:
 
 
 class LocalExpansion:
-    """Answers forces on a patch of points, about one state.
+    """Solves for forces on a patch of points, about one state.
 
     Parameters
     ----------
@@ -100,14 +100,14 @@ class LocalExpansion:
         self._balance = self._patch.force(self._start) - self._load[self._dofs]
         self._balance += self._patch.stable @ self._let_go[self._dofs]
 
-    def __call__(self, force: FloatArray) -> LocalAnswer:
-        """Return the answer to a force field (n_points, 3) in N, zero beside D."""
+    def __call__(self, force: FloatArray) -> LocalSolution:
+        """Return the solution for a force field (n_points, 3) in N, zero beside D."""
         f = self._pattern.unknowns(force)[self._dofs]
         found = minimise(self._patch, f + self._balance, self._start)
         moved = found.x - self._start - self._let_go[self._dofs]
-        push = (self._patch.stable @ moved).astype(np.float32)
-        x = self._state + self._let_go + push @ self._columns
-        return LocalAnswer(self._pattern.on_points(x), found.converged, found.steps)
+        pull = (self._patch.stable @ moved).astype(np.float32)
+        x = self._state + self._let_go + pull @ self._columns
+        return LocalSolution(self._pattern.on_points(x), found.converged, found.steps)
 
 
 def _columns(
@@ -120,7 +120,7 @@ def _columns(
         some = dofs[first : first + COLUMNS_AT_ONCE]
         unit = np.zeros((len(some), n_unknowns))
         unit[np.arange(len(some)), some] = 1.0
-        answer = linear.solve(unit)
-        columns[first : first + len(some)] = answer
-        G[first : first + len(some)] = answer[:, dofs]
+        response = linear.solve(unit)
+        columns[first : first + len(some)] = response
+        G[first : first + len(some)] = response[:, dofs]
     return columns, G

@@ -7,7 +7,7 @@ from physgnn.arrays import FloatArray
 
 
 def leading_modes(fields: NDArray[np.floating], n_modes: int) -> FloatArray:
-    """Return orthonormal modes by falling share of the fields' squared length.
+    """Return orthonormal modes, those that carry most of the fields first.
 
     By the method of snapshots (Sirovich 1987): eigenvectors of the small matrix of the
     fields' inner products.
@@ -26,7 +26,9 @@ def leading_modes(fields: NDArray[np.floating], n_modes: int) -> FloatArray:
     flat = np.asarray(fields, dtype=np.float64).reshape(len(fields), -1)
     values, vectors = np.linalg.eigh(flat @ flat.T)
     values, vectors = values[::-1][:n_modes], vectors[:, ::-1][:, :n_modes]
-    kept = values > 1e-12 * max(float(values[0]), np.finfo(float).tiny)
+    spanning = values > 1e-12 * max(float(values[0]), np.finfo(float).tiny)
     modes = np.zeros((n_modes, flat.shape[1]))
-    modes[: kept.sum()] = (vectors[:, kept] / np.sqrt(values[kept])).T @ flat
+    modes[: spanning.sum()] = (
+        vectors[:, spanning] / np.sqrt(values[spanning])
+    ).T @ flat
     return modes.reshape(n_modes, *fields.shape[1:])

@@ -17,7 +17,7 @@ AT_ONCE = 48  # right-hand sides of a back-solve
 
 
 class PointResponses:
-    """Answers any load; fastest where it acts on known points only.
+    """Linear responses to any load, fastest where it acts on chosen points only.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ class PointResponses:
     pattern : Pattern
         Of K.
     nodes : (n_nodes,) integer array
-        Points that loads act on, as a rule. If their columns, kept in single precision,
-        would take too much memory, every answer is a back-solve.
+        Points that loads act on, as a rule. If their columns, cached in single
+        precision, would take too much memory, every response is a back-solve.
     """
 
     def __init__(self, solver: LinearSolver, pattern: Pattern, nodes: IntArray) -> None:
@@ -35,15 +35,15 @@ class PointResponses:
         nodes = np.intersect1d(nodes, pattern.free)
         n_bytes = 4 * 3 * len(nodes) * 3 * len(pattern.row)
         self._nodes = nodes if n_bytes <= MAX_BYTES else nodes[:0]
-        self._columns = self._kept(3 * pattern.row[self._nodes])
+        self._columns = self._cached(3 * pattern.row[self._nodes])
 
     def __call__(self, force: FloatArray) -> FloatArray:
         """Return K⁻¹ f, (n_points, 3) mm, for a force field (n_points, 3) in N."""
-        known = force[self._nodes].astype(np.float32).ravel()
+        on_nodes = force[self._nodes].astype(np.float32).ravel()
         moved = np.zeros(self._columns.shape[1], dtype=np.float32)
-        _add_rows(known, self._columns, moved)
+        _add_rows(on_nodes, self._columns, moved)
         u = moved.reshape(force.shape).astype(np.float64)
-        if np.count_nonzero(force) > np.count_nonzero(known):
+        if np.count_nonzero(force) > np.count_nonzero(on_nodes):
             rest = force.copy()
             rest[self._nodes] = 0.0
             u += self.solve(rest)
@@ -54,7 +54,7 @@ class PointResponses:
         right = self._pattern.unknowns(force)
         return self._pattern.on_points(self._solver.solve(right))
 
-    def _kept(self, unknowns: NDArray[np.int32]) -> NDArray[np.float32]:
+    def _cached(self, unknowns: NDArray[np.int32]) -> NDArray[np.float32]:
         """Return the columns of K⁻¹ of points' three unknowns, as rows."""
         rows = (unknowns[:, None] + np.arange(3)).ravel()
         columns = np.zeros((len(rows), 3 * len(self._pattern.row)), dtype=np.float32)
@@ -62,8 +62,8 @@ class PointResponses:
             some = rows[first : first + AT_ONCE]
             right = np.zeros((len(some), self._pattern.n_unknowns))
             right[np.arange(len(some)), some] = 1.0
-            answer = self._pattern.on_points(self._solver.solve(right))
-            columns[first : first + AT_ONCE] = answer.reshape(len(some), -1)
+            response = self._pattern.on_points(self._solver.solve(right))
+            columns[first : first + AT_ONCE] = response.reshape(len(some), -1)
         return columns
 
 

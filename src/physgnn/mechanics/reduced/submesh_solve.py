@@ -1,8 +1,8 @@
 """The cells near a load brought into equilibrium, the others staying where they are.
 
-What a network predicts is good far from a force on a single point and poor in the few
-cells under it. There the equations themselves are solved, with the prediction as the
-patch's boundary.
+A network's prediction is good far from a force on a single point and poor in the few
+cells under it. The submesh solve solves the equations there, with the prediction as
+boundary values.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ MIN_STEP = 1 / 64  # of the way from rest
 SMALL_MM = 1e-6  # displacement that forces are linear in
 
 
-def settle(
+def solve_submesh(
     body: Body, points: IntArray, guess: FloatArray, force: FloatArray
 ) -> FloatArray | None:
     """Bring some points into equilibrium, all others staying where a guess has them.
@@ -57,9 +57,9 @@ def settle(
     x = _drawn(patch, force[found].ravel())
     if x is None:
         return None
-    settled = guess.copy()
-    settled[found] = x.reshape(-1, 3)
-    return settled
+    solved = guess.copy()
+    solved[found] = x.reshape(-1, 3)
+    return solved
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,21 +116,21 @@ class _Clamped:
         """Return the unknowns as what is held pulls them along, by linear response."""
         tiny = SMALL_MM / max(float(np.abs(self.held).max()), SMALL_MM)
         pulled = self._at(tiny).force(np.zeros(self.pattern.n_unknowns)) / tiny
-        answer = self.solve(self.stable, -pulled)
-        return np.zeros_like(pulled) if answer is None else answer
+        response = self.solve(self.stable, -pulled)
+        return np.zeros_like(pulled) if response is None else response
 
     def minimum(
-        self, share: float, load: FloatArray, start: FloatArray
+        self, fraction: float, load: FloatArray, start: FloatArray
     ) -> FloatArray | None:
-        """Return the equilibrium at a share of load and held displacement, if found."""
-        body = self._at(share)
+        """Return the equilibrium at a fraction of load and held displacement."""
+        body = self._at(fraction)
         if not np.isfinite(body.energy(start)):
             return None
-        found = minimise(body, share * load, start, solve=body.solve)
+        found = minimise(body, fraction * load, start, solve=body.solve)
         return found.x if found.converged else None
 
-    def _at(self, share: float) -> "_Clamped":
-        return replace(self, held=share * self.held)
+    def _at(self, fraction: float) -> "_Clamped":
+        return replace(self, held=fraction * self.held)
 
     def _displacement(self, x: FloatArray) -> FloatArray:
         u = self.held.copy()
@@ -143,12 +143,12 @@ def _drawn(patch: _Clamped, load: FloatArray) -> FloatArray | None:
     x, way = np.zeros_like(load), patch.pull()
     done, step = 0.0, 1.0
     while done < 1.0:
-        share = min(done + step, 1.0)
-        found = patch.minimum(share, load, x + (share - done) * way)
+        fraction = min(done + step, 1.0)
+        found = patch.minimum(fraction, load, x + (fraction - done) * way)
         if found is None:
             step /= 2
             if step < MIN_STEP:
                 return None
             continue
-        x, done = found, share
+        x, done = found, fraction
     return x

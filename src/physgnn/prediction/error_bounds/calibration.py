@@ -10,7 +10,7 @@ import numpy as np
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
-from physgnn.io.atomic import write_whole
+from physgnn.learning.runs.parts import check_part, write_part
 from physgnn.learning.surrogate import Surrogate
 from physgnn.prediction.error_bounds.conformal import conformal_quantile
 from physgnn.prediction.error_bounds.indicators import Indicator
@@ -73,21 +73,29 @@ class Calibration:
         )
 
     def write(self, path: Path) -> None:
-        """Write as JSON, whole or not at all."""
-        write_whole(path, json.dumps(asdict(self), indent=1, allow_nan=False))
+        """Write as JSON into a run folder, whole or not at all, and list it there."""
+        write_part(path, json.dumps(asdict(self), indent=1, allow_nan=False))
 
     @classmethod
     def read(cls, path: Path) -> "Calibration":
-        """Read what `write` wrote; InputError if it is something else."""
+        """Read what `write` wrote.
+
+        Raises
+        ------
+        InputError
+            If it is something else, was changed, or belongs to another run.
+        """
         try:
             record = json.loads(path.read_text("utf-8"))
             loads = TrainedRange.from_json(record.pop("trained_range"))
             others = tuple(map(tuple, record.pop("others", ())))
-            return cls(**record, trained_range=loads, others=others)
+            made = cls(**record, trained_range=loads, others=others)
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise InputError(
                 f"{path} is not a calibration ({error}): calibrate the run again"
             ) from error
+        check_part(path)
+        return made
 
 
 def indicator_sizes(field: FloatArray) -> tuple[float, float]:

@@ -1,1 +1,1 @@
-"""What page and server say to each other."""
+"""The messages between page and server."""

@@ -1,5 +1,6 @@
-"""What a browser may say: every field checked, every mistake one line."""
+"""The messages a browser may send, with every field checked."""
 
+import math
 from collections.abc import Collection
 from typing import Annotated, Literal
 
@@ -18,6 +19,7 @@ from physgnn.serving.scene.colours import FIELDS
 from physgnn.serving.scene.section import AXES
 
 MAX_BYTES = 4096
+MAX_MM = 1e5  # no place in a room is farther away
 MAX_FORCE_N = 1000.0
 MAX_RADIUS_MM = 200.0
 
@@ -37,7 +39,7 @@ def _key_of(table: Collection[str]) -> AfterValidator:
 
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
-Vector = tuple[Number, Number, Number]
+Coordinate = Annotated[Number, Field(ge=-MAX_MM, le=MAX_MM)]
 PredictorName = Literal["network", "linear"]
 FieldName = Annotated[str, _key_of(FIELDS)]
 Axis = Annotated[str, _key_of(AXES)]
@@ -47,33 +49,33 @@ class _Message(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
 
-class Push(_Message):
+class PatchLoad(_Message):
     """A force on a patch of the exposed surface, and what is wanted for it.
 
     Attributes
     ----------
     id : int
-        Comes back with every answer to this push.
+        Comes back with every prediction for this patch load.
     point : three floats
         Centre of the patch at rest, mm.
     force_n : three floats
         Force on the whole patch, N, not zero.
     radius_mm : float
         Radius of the patch.
-    answers : list of str
-        Which predictors shall answer at once.
+    predictors : list of str
+        Which predictors are wanted at once.
     field : str
         Which scalar comes with the displacement: a row of `fields.FIELDS`.
     solve : bool
         Whether finite elements shall follow in the background.
     """
 
-    type: Literal["push"] = "push"
+    type: Literal["patch_load"] = "patch_load"
     id: Annotated[int, Field(ge=0, lt=2**53)] = 0
-    point: Vector
-    force_n: Vector
+    point: tuple[Coordinate, Coordinate, Coordinate]
+    force_n: tuple[Number, Number, Number]
     radius_mm: Annotated[Number, Field(gt=0, le=MAX_RADIUS_MM)]
-    answers: Annotated[list[PredictorName], Field(min_length=1, max_length=2)]
+    predictors: Annotated[list[PredictorName], Field(min_length=1, max_length=2)]
     field: FieldName = "displacement"
     solve: bool = False
 
@@ -91,20 +93,20 @@ class SectionPlane(_Message):
 
     type: Literal["section"] = "section"
     axis: Axis | None
-    offset_mm: Number = 0.0
+    offset_mm: Coordinate = 0.0
 
 
 class Release(_Message):
-    """Let go: nothing more is wanted for the last push."""
+    """Let go: nothing more is wanted for the last patch load."""
 
     type: Literal["release"] = "release"
 
 
-Message = Annotated[Push | SectionPlane | Release, Field(discriminator="type")]
-_READER: TypeAdapter[Push | SectionPlane | Release] = TypeAdapter(Message)
+Message = Annotated[PatchLoad | SectionPlane | Release, Field(discriminator="type")]
+_READER: TypeAdapter[PatchLoad | SectionPlane | Release] = TypeAdapter(Message)
 
 
-def read_message(content: str | bytes) -> Push | SectionPlane | Release:
+def read_message(content: str | bytes) -> PatchLoad | SectionPlane | Release:
     """Return a message from the browser.
 
     Raises
@@ -122,21 +124,21 @@ def read_message(content: str | bytes) -> Push | SectionPlane | Release:
         message = _READER.validate_json(content)
     except ValidationError as error:
         raise InputError(_first(error)) from error
-    if isinstance(message, Push):
+    if isinstance(message, PatchLoad):
         _check_force(message)
     return message
 
 
-def read_push(content: str | bytes) -> Push:
-    """Return a message that must be a push; InputError if it is not."""
+def read_patch_load(content: str | bytes) -> PatchLoad:
+    """Return a message that must be a patch load; InputError if it is not."""
     message = read_message(content)
-    if not isinstance(message, Push):
-        raise InputError(f"a push is wanted here (got {message.type})")
+    if not isinstance(message, PatchLoad):
+        raise InputError(f"a patch load is wanted here (got {message.type})")
     return message
 
 
-def _check_force(push: Push) -> None:
-    size = sum(component**2 for component in push.force_n) ** 0.5
+def _check_force(patch_load: PatchLoad) -> None:
+    size = math.hypot(*patch_load.force_n)
     if not 0 < size <= MAX_FORCE_N:
         raise InputError(
             f"force_n must be longer than 0 and at most {MAX_FORCE_N:g} N "
@@ -146,5 +148,5 @@ def _check_force(push: Push) -> None:
 
 def _first(error: ValidationError) -> str:
     what = error.errors(include_url=False, include_input=False)[0]
-    where = ".".join(str(part) for part in what["loc"] if part != "push")
+    where = ".".join(str(part) for part in what["loc"] if part != "patch_load")
     return f"{where or 'message'}: {what['msg']}"

@@ -1,1 +1,1 @@
-"""What the page draws, and what it is coloured and pushed by."""
+"""What the page draws, and how it is coloured and loaded."""

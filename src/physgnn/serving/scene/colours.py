@@ -1,8 +1,8 @@
 """The scalars a surface can be coloured by: one row each.
 
 The rows decide what a browser may ask for (`messages`), and travel with the scene's
-first frame (`answers`), from which the page builds its menu and its legends. To add a
-scalar, write a function and its row; docs/howto/add_colour.md has a template.
+first frame (`predictions`), from which the page builds its menu and its legends. To
+add a scalar, write a function and its row; docs/howto/add_colour.md has a template.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ class SolvedLoad:
     Attributes
     ----------
     by : str
-        Who found it: a key of `Viewed.answers`, or `FINITE_ELEMENTS`.
+        Who found it: a key of `Viewed.predictors`, or `FINITE_ELEMENTS`.
     case : LoadCase
         The load.
     prediction : Prediction
@@ -78,7 +78,7 @@ class ColourField:
     calibrated: bool = False
 
     def describe(self, viewed: Viewed) -> dict[str, Any]:
-        """Return what the page is told of this row, as JSON holds it."""
+        """Return the row as JSON can hold it, for the page."""
         return {
             "label": self.label,
             "title": self.title,

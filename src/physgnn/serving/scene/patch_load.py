@@ -8,10 +8,10 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry import boundary_points, boundary_surface, vertex_normals
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads.patch_sampling import patch_shares
+from physgnn.mechanics.loads.patch_sampling import patch_load_fractions
 from physgnn.mechanics.loads.paths import LoadCase
 
-REACH_MM = 10.0  # a touch farther from every exposed node than this is none
+TOUCH_MM = 10.0  # a point farther from every exposed node is not on the surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Exposed:
 
     @classmethod
     def of(cls, body: Body, nodes: IntArray | None = None) -> "Exposed":
-        """Return these nodes as far as they can be pushed; by default the free surface.
+        """Return these nodes as far as they can be loaded; by default the free surface.
 
         Raises
         ------
@@ -40,22 +40,22 @@ class Exposed:
             If none is on the surface and free.
         """
         free = np.setdiff1d(boundary_points(body.mesh), body.fixed)
-        kept = free if nodes is None else np.intersect1d(free, nodes)
-        if len(kept) == 0:
+        exposed = free if nodes is None else np.intersect1d(free, nodes)
+        if len(exposed) == 0:
             raise InputError(
-                "no node can be pushed: every point of the exposed surface is fixed"
+                "no node can be loaded: every point of the exposed surface is fixed"
             )
-        normals = vertex_normals(boundary_surface(body.mesh))[kept]
-        return cls(kept, body.mesh.points[kept], normals)
+        normals = vertex_normals(boundary_surface(body.mesh))[exposed]
+        return cls(exposed, body.mesh.points[exposed], normals)
 
 
-def push(
+def spread_force(
     exposed: Exposed, point: FloatArray, force_n: FloatArray, radius_mm: float
 ) -> LoadCase:
     """Spread a force over the exposed nodes around a point.
 
-    Shares are those of `physgnn.mechanics.loads.patch_sampling`; they add up to
-    `force_n`. Where no node lies within the radius the nearest one takes all.
+    The weights are those of `physgnn.mechanics.loads.patch_sampling`; they add up to
+    `force_n`. Where no node lies within the radius, the nearest carries it all.
 
     Parameters
     ----------
@@ -75,11 +75,11 @@ def push(
     """
     distance = np.linalg.norm(exposed.points - point, axis=1)
     nearest = int(distance.argmin())
-    if distance[nearest] > max(REACH_MM, radius_mm):
+    if distance[nearest] > max(TOUCH_MM, radius_mm):
         raise InputError(
             f"point must lie on the exposed surface (it is {distance[nearest]:.0f} mm "
             "away)"
         )
-    share = patch_shares(distance / radius_mm, exposed.normals, nearest)
-    loaded = np.flatnonzero(share)
-    return LoadCase(exposed.nodes[loaded], share[loaded, None] * np.asarray(force_n))
+    weight = patch_load_fractions(distance / radius_mm, exposed.normals, nearest)
+    loaded = np.flatnonzero(weight)
+    return LoadCase(exposed.nodes[loaded], weight[loaded, None] * np.asarray(force_n))

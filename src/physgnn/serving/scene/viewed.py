@@ -1,4 +1,4 @@
-"""What is on show: a body, the predictors that answer for it, and where to touch it."""
+"""What is on show: a body, its predictors, and where it can be loaded."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -36,10 +36,10 @@ class Viewed:
         Its name on the page.
     body : Body
         Mesh, materials and fixed points.
-    answers : mapping of str to predictor
-        Those that answer at once: "network" if there is one, "linear" always.
+    predictors : mapping of str to predictor
+        Those that follow the pointer: "network" if there is one, "linear" always.
     exposed : Exposed
-        Where it can be pushed.
+        Where it can be loaded.
     calibration : Calibration or None
         Of the network.
     indicator : callable or None
@@ -48,7 +48,7 @@ class Viewed:
 
     title: str
     body: Body
-    answers: Mapping[str, Predict]
+    predictors: Mapping[str, Predict]
     exposed: Exposed
     calibration: Calibration | None = None
     indicator: Indicator | None = None
@@ -99,7 +99,7 @@ def view_run(run: Path, title: str) -> Viewed:
     return Viewed(
         title=title,
         body=body,
-        answers={"network": network, "linear": Predictor(linear)},
+        predictors={"network": network, "linear": Predictor(linear)},
         exposed=exposed,
         calibration=calibration,
         indicator=network.indicate if calibration else None,

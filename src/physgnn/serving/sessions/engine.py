@@ -18,16 +18,16 @@ from physgnn.serving.scene.viewed import Viewed
 from physgnn.serving.sessions.refinement import Refiner
 
 WARM_UP = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.4, 1.8)  # of the usual force
-IDLE_SECONDS = 1.0  # warming up gives way to whoever pushes
+IDLE_SECONDS = 1.0  # warming up gives way to requests
 
 T = TypeVar("T")
 
 
 class Engine:
-    """Answers load cases for every session, one after another.
+    """Predicts the load cases of every session, one after another.
 
     The predictors keep state (factorisations, buffers), so one thread runs them; a
-    session has at most one question in its queue, so nobody waits for a crowd.
+    session has at most one question in its queue, so the queue stays short.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class Engine:
     Attributes
     ----------
     listeners : list of callables
-        Each is told every answer's displacement and prediction, in the event loop.
+        Each is called with every prediction shown, in the event loop.
     """
 
     def __init__(self, viewed: Viewed, image: GreyVolume | None = None) -> None:
@@ -50,6 +50,7 @@ class Engine:
         self._asked = time.monotonic() - IDLE_SECONDS
         # One thread for torch as well: OpenMP counts them for each thread apart, a
         # network this small gains nothing from more, and the browser needs a core.
+        self._drawing = ThreadPoolExecutor(1, "draw")
         self._thread = ThreadPoolExecutor(
             1, "predict", initializer=torch.set_num_threads, initargs=(1,)
         )
@@ -59,19 +60,23 @@ class Engine:
         self._asked = time.monotonic()
         return await self._in_thread(job)
 
+    async def draw(self, job: Callable[[], T]) -> T:
+        """Run a job that needs no predictor, such as a section, in a thread for all."""
+        return await asyncio.get_running_loop().run_in_executor(self._drawing, job)
+
     async def _in_thread(self, job: Callable[[], T]) -> T:
         return await asyncio.get_running_loop().run_in_executor(self._thread, job)
 
     async def warm_up(self) -> None:
-        """Have the first answers over with: they factorise and compile.
+        """Make the first predictions, which factorise and compile.
 
         Loads of several sizes, since a network may keep a factor for each.
         """
         exposed = self.viewed.exposed
-        for share in WARM_UP:
-            force = -share * self.viewed.usual_force_n / len(exposed.nodes)
+        for fraction in WARM_UP:
+            force = -fraction * self.viewed.usual_force_n / len(exposed.nodes)
             case = LoadCase(exposed.nodes, force * exposed.normals)
-            for predict in self.viewed.answers.values():
+            for predict in self.viewed.predictors.values():
                 await self._idle()
                 await self._in_thread(partial(predict, case, estimate=Estimate.QUICK))
         self._refiner.start()
@@ -85,12 +90,13 @@ class Engine:
         """Solve by finite elements in another process; cancelling kills it."""
         return await self._refiner.solve(case)
 
-    def tell(self, prediction: Prediction) -> None:
-        """Pass an answer that is on somebody's screen to the listeners."""
+    def publish(self, prediction: Prediction) -> None:
+        """Pass a prediction that is on a screen to the listeners."""
         for listener in self.listeners:
             listener(prediction)
 
     def close(self) -> None:
         """Stop the thread and the solver."""
         self._refiner.close()
-        self._thread.shutdown(wait=False, cancel_futures=True)
+        for thread in (self._thread, self._drawing):
+            thread.shutdown(wait=False, cancel_futures=True)

@@ -1,4 +1,4 @@
-"""From a question of the page to the frames that answer it."""
+"""From a message of the page to the frames sent back."""
 
 from typing import Any
 
@@ -9,17 +9,17 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.regions import TUMOUR, region_name
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.serving.protocol.frames import encode
-from physgnn.serving.protocol.messages import MAX_RADIUS_MM, Push
+from physgnn.serving.protocol.messages import MAX_RADIUS_MM, PatchLoad
 from physgnn.serving.scene.colours import FIELDS, SolvedLoad
-from physgnn.serving.scene.patch_load import Exposed, push
+from physgnn.serving.scene.patch_load import Exposed, spread_force
 from physgnn.serving.scene.section import AXES, Section
 from physgnn.serving.sessions.engine import Engine
 
 
-def load_case(engine: Engine, message: Push) -> LoadCase:
-    """Return the nodal forces a push means."""
+def load_case(engine: Engine, message: PatchLoad) -> LoadCase:
+    """Return the nodal forces a patch load means."""
     point, force = np.array(message.point), np.array(message.force_n)
-    return push(engine.viewed.exposed, point, force, message.radius_mm)
+    return spread_force(engine.viewed.exposed, point, force, message.radius_mm)
 
 
 def scene_frame(engine: Engine) -> bytes:
@@ -32,7 +32,7 @@ def scene_frame(engine: Engine) -> bytes:
     header = {
         "kind": "scene",
         "title": viewed.title,
-        "answers": list(viewed.answers),
+        "predictors": list(viewed.predictors),
         "fields": {name: row.describe(viewed) for name, row in FIELDS.items()},
         "coverage": viewed.calibration.coverage if viewed.calibration else None,
         "n_points": viewed.body.mesh.n_points,
@@ -50,24 +50,23 @@ def scene_frame(engine: Engine) -> bytes:
     return encode(header, arrays)
 
 
-def answer_frame(
-    engine: Engine, message: Push, solved: SolvedLoad, section: Section | None
+def prediction_frame(
+    engine: Engine, message: PatchLoad, solved: SolvedLoad, section: Section | None
 ) -> bytes:
-    """Return one predictor's displacement under a push, at the points drawn."""
+    """Return one predictor's displacement under a patch load, at the points drawn."""
     case, prediction = solved.case, solved.prediction
     displacement = prediction.displacement
     length = np.linalg.norm(displacement, axis=1)
     estimate, status = prediction.error_estimate_mm, prediction.status
     header = {
-        "kind": "answer",
+        "kind": "prediction",
         "id": message.id,
-        "answer": solved.by,
+        "predictor": solved.by,
         "field": message.field,
         "status": str(status),
+        "usable": status.usable,
         "remedy": status.remedy,
-        "reasons": engine.viewed.reasons_outside(case)
-        if solved.by == "network"
-        else [],
+        "reasons": list(prediction.reasons),
         "error": None
         if estimate is None
         else {

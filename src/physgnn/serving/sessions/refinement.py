@@ -47,17 +47,17 @@ class Refiner:
             pipe = self._started()
             try:
                 await asyncio.to_thread(pipe.send, case)
-                answer = await asyncio.to_thread(pipe.recv)
+                reply = await asyncio.to_thread(pipe.recv)
             except asyncio.CancelledError:
                 self.close()
                 raise
             except (EOFError, OSError) as error:
                 self.close()
                 raise InputError("the finite-element process ended early") from error
-        if isinstance(answer, str):
-            raise InputError(answer)
-        assert isinstance(answer, Prediction)
-        return answer
+        if isinstance(reply, str):
+            raise InputError(reply)
+        assert isinstance(reply, Prediction)
+        return reply
 
     def start(self) -> None:
         """Have a process ready before it is needed."""

@@ -1,4 +1,4 @@
-"""One browser: its newest load is answered, older ones are dropped."""
+"""One browser: its newest load is predicted, older ones are dropped."""
 
 import asyncio
 import json
@@ -8,14 +8,19 @@ from physgnn.choices import Estimate
 from physgnn.errors import InputError
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.prediction import Prediction
-from physgnn.serving.protocol.messages import Push, Release, SectionPlane, read_message
+from physgnn.serving.protocol.messages import (
+    PatchLoad,
+    Release,
+    SectionPlane,
+    read_message,
+)
 from physgnn.serving.scene.colours import SolvedLoad
 from physgnn.serving.scene.section import Section, cut
 from physgnn.serving.scene.viewed import FINITE_ELEMENTS
 from physgnn.serving.sessions.engine import Engine
 from physgnn.serving.sessions.predictions import (
-    answer_frame,
     load_case,
+    prediction_frame,
     scene_frame,
     section_frame,
 )
@@ -27,10 +32,10 @@ REST_SECONDS = 0.25  # a load must stand still for so long before it is solved
 
 
 class Session:
-    """Answers one browser.
+    """Serves one browser.
 
-    Nothing is queued: a push replaces the one before it, a section likewise, and a
-    frame is made only when the one before it has left. So a slow browser gets fewer
+    Nothing is queued: a patch load replaces the one before it, a section likewise, and
+    a frame is made only when the one before it has left. So a slow browser gets fewer
     frames, never older ones, and holds up nobody else.
 
     Parameters
@@ -46,47 +51,47 @@ class Session:
     ) -> None:
         self._engine = engine
         self._send_text, self._send_bytes = send_text, send_bytes
-        self._push: Push | None = None
+        self._patch_load: PatchLoad | None = None
         self._plane: SectionPlane | None = None
         self._cut: Section | None = None
         self._changed = asyncio.Event()
         self._refinement: asyncio.Task[None] | None = None
 
     async def run(self, messages: AsyncIterator[str | bytes]) -> None:
-        """Answer until the browser leaves."""
+        """Serve until the browser leaves."""
         await self._send_bytes(scene_frame(self._engine))
-        answering = asyncio.create_task(self._answer_newest())
+        predicting = asyncio.create_task(self._predict_newest())
         try:
             async for content in messages:
                 try:
                     self._take(read_message(content))
                 except InputError as error:
-                    await self._say(error)
+                    await self._report(error)
         finally:
-            answering.cancel()
+            predicting.cancel()
             self._stop_refinement()
 
-    def _take(self, message: Push | SectionPlane | Release) -> None:
+    def _take(self, message: PatchLoad | SectionPlane | Release) -> None:
         if isinstance(message, SectionPlane):
             self._plane = message
         else:
             self._stop_refinement()
-            self._push = message if isinstance(message, Push) else None
+            self._patch_load = message if isinstance(message, PatchLoad) else None
         self._changed.set()
 
-    async def _answer_newest(self) -> None:
+    async def _predict_newest(self) -> None:
         while True:
             await self._changed.wait()
             self._changed.clear()
             plane, self._plane = self._plane, None
-            push, self._push = self._push, None
+            patch_load, self._patch_load = self._patch_load, None
             try:
                 if plane is not None:
                     await self._section(plane)
-                if push is not None:
-                    await self._answer(push)
+                if patch_load is not None:
+                    await self._predict(patch_load)
             except InputError as error:
-                await self._say(error, push)
+                await self._report(error, patch_load)
 
     async def _section(self, plane: SectionPlane) -> None:
         self._cut = None
@@ -94,47 +99,55 @@ class Session:
             return
         axis, offset = plane.axis, plane.offset_mm
         mesh = self._engine.viewed.body.mesh
-        made = await asyncio.to_thread(cut, mesh, axis, offset)
-        frame = await asyncio.to_thread(section_frame, self._engine, axis, offset, made)
+
+        def draw() -> tuple[Section, bytes]:
+            made = cut(mesh, axis, offset)
+            return made, section_frame(self._engine, axis, offset, made)
+
+        made, frame = await self._engine.draw(draw)
         self._cut = made
         await self._send_bytes(frame)
 
-    async def _answer(self, push: Push) -> None:
-        case = load_case(self._engine, push)
-        for name in push.answers:
-            await self._answer_by(name, case, push)
-        if push.solve and self._push is None:
-            self._refinement = asyncio.create_task(self._refine(case, push))
+    async def _predict(self, patch_load: PatchLoad) -> None:
+        case = load_case(self._engine, patch_load)
+        for name in patch_load.predictors:
+            await self._predict_by(name, case, patch_load)
+        if patch_load.solve and self._patch_load is None:
+            self._refinement = asyncio.create_task(self._refine(case, patch_load))
 
-    async def _answer_by(self, name: str, case: LoadCase, push: Push) -> None:
-        predict = self._engine.viewed.answers.get(name)
+    async def _predict_by(
+        self, name: str, case: LoadCase, patch_load: PatchLoad
+    ) -> None:
+        predict = self._engine.viewed.predictors.get(name)
         if predict is None:
             raise InputError(f"there is no {name} here: only a mesh is on show")
 
         def job() -> tuple[Prediction, bytes]:
             prediction = predict(case, estimate=Estimate.QUICK)
             solved = SolvedLoad(name, case, prediction)
-            return prediction, answer_frame(self._engine, push, solved, self._cut)
+            return prediction, prediction_frame(
+                self._engine, patch_load, solved, self._cut
+            )
 
         prediction, frame = await self._engine.work(job)
-        if name == push.answers[0]:
-            self._engine.tell(prediction)
+        if name == patch_load.predictors[0]:
+            self._engine.publish(prediction)
         await self._send_bytes(frame)
 
-    async def _refine(self, case: LoadCase, push: Push) -> None:
+    async def _refine(self, case: LoadCase, patch_load: PatchLoad) -> None:
         """Solve a load that stands still, unless another comes first."""
         try:
             await asyncio.sleep(REST_SECONDS)
-            await self._send_text(json.dumps({"kind": "solving", "id": push.id}))
+            await self._send_text(json.dumps({"kind": "solving", "id": patch_load.id}))
             prediction = await self._engine.solve(case)
             solved = SolvedLoad(FINITE_ELEMENTS, case, prediction)
             frame = await self._engine.work(
-                lambda: answer_frame(self._engine, push, solved, self._cut)
+                lambda: prediction_frame(self._engine, patch_load, solved, self._cut)
             )
         except InputError as error:
-            await self._say(error, push)
+            await self._report(error, patch_load)
             return
-        self._engine.tell(prediction)
+        self._engine.publish(prediction)
         await self._send_bytes(frame)
 
     def _stop_refinement(self) -> None:
@@ -142,7 +155,9 @@ class Session:
             self._refinement.cancel()
         self._refinement = None
 
-    async def _say(self, error: InputError, push: Push | None = None) -> None:
-        about = None if push is None else push.id
+    async def _report(
+        self, error: InputError, patch_load: PatchLoad | None = None
+    ) -> None:
+        about = None if patch_load is None else patch_load.id
         message = {"kind": "error", "id": about, "text": str(error)}
         await self._send_text(json.dumps(message))

@@ -43,7 +43,7 @@ export class BodyView {
     return mesh;
   }
 
-  /** Show an answer's arrays, or the rest state for null. */
+  /** Show a prediction's arrays, or the rest state for null. */
   show(arrays) {
     this.displacement = arrays?.displacement ?? null;
     this.values = arrays?.field ?? null;
@@ -117,7 +117,7 @@ export class BodyView {
     position.needsUpdate = true;
   }
 
-  /** An answer may still be of the section before this one. */
+  /** A prediction may still be of the section before this one. */
   fits(values, length) {
     return values && values.length === length ? values : null;
   }
@@ -172,7 +172,7 @@ class Arrow {
     const material = new THREE.MeshBasicMaterial({ color: 0xffffff });
     this.material = material;
     this.headLength = 0.03 * size;
-    const [thin, wide, ball] = [0.004, 0.012, 0.0125].map((share) => share * size);
+    const [thin, wide, ball] = [0.004, 0.012, 0.0125].map((fraction) => fraction * size);
     this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(thin, thin, 1, 16), material);
     this.head = new THREE.Mesh(new THREE.ConeGeometry(wide, this.headLength, 24), material);
     this.handle = new THREE.Mesh(new THREE.SphereGeometry(ball, 24, 16), material);

@@ -1,4 +1,4 @@
-// Binary messages from the server: physgnn/serving/frames.py says how they are laid out.
+// Binary messages from the server: physgnn/serving/protocol/frames.py says how they are laid out.
 
 const VIEWS = { f4: Float32Array, i4: Int32Array, u1: Uint8Array };
 

@@ -11,7 +11,7 @@ const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowD
 /** `actions` has changeForce(factor), changeRadius(factor) and fields(), the names to colour by. */
 export function listen(stage, load, actions) {
   const keys = {
-    Enter: () => load.pushMiddle(),
+    Enter: () => load.loadMiddle(),
     Escape: () => load.release(),
     "+": () => actions.changeForce(FACTOR),
     "=": () => actions.changeForce(FACTOR),
@@ -39,7 +39,7 @@ export function listen(stage, load, actions) {
   }
 
   function steer(event) {
-    if (!load.point) return load.pushMiddle();
+    if (!load.point) return load.loadMiddle();
     const [x, y] = ARROWS[event.key];
     const [right, up, back] = [0, 1, 2].map((i) =>
       new THREE.Vector3().setFromMatrixColumn(stage.camera.matrixWorld, i));

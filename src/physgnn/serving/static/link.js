@@ -1,19 +1,19 @@
-// The WebSocket: reconnects, keeps the server busy, measures how long answers take.
+// The WebSocket: reconnects, keeps the server busy, measures how long predictions take.
 
 import { decode } from "./frames.js";
 
 const RECONNECT_MS = 1000;
-const AHEAD = 2; // pushes on their way: one being answered, one so that the next starts at once
+const AHEAD = 2; // patch loads on their way: one is predicted, one lets the next start at once
 
 export class Link {
-  /** `handlers`: onScene, onSection, onAnswer, onText, onClosed. */
+  /** `handlers`: onScene, onSection, onPrediction, onText, onClosed. */
   constructor(handlers) {
     this.handlers = handlers;
-    this.sent = new Map(); // id of a push not answered yet → when it was sent
-    this.next = null; // makes the newest push, which waits for its turn
+    this.sent = new Map(); // id of a patch load without its prediction yet → when it was sent
+    this.next = null; // makes the newest patch load, which waits for its turn
     this.arrivals = [];
     this.latencyMs = null;
-    this.drawnIn = null; // a list gets the latency of every answer drawn
+    this.drawnIn = null; // a list gets the latency of every prediction drawn
     this.id = 0;
     this.connect();
   }
@@ -38,13 +38,13 @@ export class Link {
     if (this.open) this.socket.send(JSON.stringify(message));
   }
 
-  /** Have the load answered as it is when its turn comes; `make` returns the message. */
-  push(make) {
+  /** Ask for the load as it is when its turn comes; `make` returns the message. */
+  request(make) {
     this.next = make;
     this.turn();
   }
 
-  /** No answer is wanted any more. */
+  /** No prediction is wanted any more. */
   forget() {
     this.next = null;
     this.sent.clear();
@@ -58,8 +58,8 @@ export class Link {
     this.send(message);
   }
 
-  /** A push has its answer, and those before it will not get one; returns when it was sent. */
-  settle(id) {
+  /** A patch load has its prediction, and those before it will not get one; returns when it was sent. */
+  resolve(id) {
     const when = this.sent.get(id) ?? null;
     for (const old of this.sent.keys()) if (id === null || old <= id) this.sent.delete(old);
     this.turn();
@@ -69,16 +69,16 @@ export class Link {
   receive(data) {
     if (typeof data === "string") {
       const message = JSON.parse(data);
-      if (message.kind === "error") this.settle(message.id);
+      if (message.kind === "error") this.resolve(message.id);
       return this.handlers.onText(message);
     }
     const { header, arrays } = decode(data);
     if (header.kind === "scene") this.handlers.onScene(header, arrays);
     else if (header.kind === "section") this.handlers.onSection(header, arrays);
-    else this.handlers.onAnswer(header, arrays, this.settle(header.id));
+    else this.handlers.onPrediction(header, arrays, this.resolve(header.id));
   }
 
-  /** Note that the answer to a push sent at `when` is on the screen. */
+  /** Note that the prediction for a patch load sent at `when` is on the screen. */
   drawn(when) {
     const now = performance.now();
     this.latencyMs = now - when;
@@ -86,7 +86,7 @@ export class Link {
     this.drawnIn?.push(this.latencyMs);
   }
 
-  /** Answers drawn in the last second. */
+  /** Predictions drawn in the last second. */
   rate() {
     const since = performance.now() - 1000;
     this.arrivals = this.arrivals.filter((t) => t > since);

@@ -1,4 +1,4 @@
-// The load: where, which way, how much. Whoever changes it tells `onChange`.
+// The load: where, which way, how much. `onChange` is called after every change.
 
 import * as THREE from "three";
 
@@ -13,7 +13,7 @@ export class Load {
 
   /** What the scene says of limits and of the exposed surface. */
   fit(header, { points, exposed }, restNormals, size) {
-    this.lengths = LENGTH.map((share) => share * size);
+    this.lengths = LENGTH.map((fraction) => fraction * size);
     this.newton = header.force_n;
     this.maxNewton = header.max_force_n;
     this.radius = header.radius_mm;
@@ -41,29 +41,29 @@ export class Load {
     return inward.normalize();
   }
 
-  /** Push a place; the direction stays if it was tilted by hand. */
-  pushAt(point, normal) {
+  /** Load a place; the direction stays if it was tilted by hand. */
+  loadAt(point, normal) {
     this.point = point;
     if (!this.tilted || !this.direction) this.direction = normal;
     this.onChange();
   }
 
-  pushMiddle() {
+  loadMiddle() {
     const middle = new THREE.Vector3();
     for (const { place } of this.touchable) middle.addScaledVector(place, 1 / this.touchable.length);
     this.moveTo(middle);
   }
 
-  /** Push the exposed node nearest to a place. */
+  /** Load the exposed node nearest to a place. */
   moveTo(place) {
     const nearest = this.touchable.reduce((a, b) =>
       b.place.distanceTo(place) < a.place.distanceTo(place) ? b : a);
-    this.pushAt(nearest.place.clone(), this.normalAt(nearest.place));
+    this.loadAt(nearest.place.clone(), this.normalAt(nearest.place));
   }
 
   straighten() {
     this.tilted = false;
-    if (this.point) this.pushAt(this.point, this.normalAt(this.point));
+    if (this.point) this.loadAt(this.point, this.normalAt(this.point));
   }
 
   release() {
@@ -77,8 +77,8 @@ export class Load {
   pullFrom(place) {
     const along = this.tip.clone().sub(place);
     const [least, most] = this.lengths;
-    const share = (along.length() - least) / (most - least);
-    this.newton = this.maxNewton * Math.min(Math.max(share, 0.02), 1);
+    const fraction = (along.length() - least) / (most - least);
+    this.newton = this.maxNewton * Math.min(Math.max(fraction, 0.02), 1);
     this.direction = along.normalize();
     this.tilted = true;
     this.onChange();
@@ -98,10 +98,10 @@ export class Load {
     return this.tip.clone().addScaledVector(this.direction, -length);
   }
 
-  /** The message to the server, as messages.Push reads it. */
+  /** The message to the server, as messages.PatchLoad reads it. */
   message(wanted) {
     return {
-      type: "push",
+      type: "patch_load",
       point: this.point.toArray(),
       force_n: this.direction.clone().multiplyScalar(this.newton).toArray(),
       radius_mm: this.radius,

@@ -1,8 +1,8 @@
-// The page: what is chosen, what is asked of the server, what is shown of its answers.
+// The page: what is chosen, what is asked of the server, what is shown of its predictions.
 
 import * as THREE from "three";
 import { FIELDS, rangeOf, setFields } from "./colours.js";
-import { keepLoadCase, keepPicture } from "./keep.js";
+import { saveLoadCase, savePicture } from "./save.js";
 import { listen } from "./keys.js";
 import { Link } from "./link.js";
 import { Load } from "./load.js";
@@ -14,11 +14,11 @@ const { $, NAMES } = panel;
 const SOLVED = "finite elements";
 const AXES = [["none", "Off"], ["sagittal", "Sag"], ["coronal", "Cor"], ["axial", "Ax"]];
 const LABEL_PX = 72; // room for the force beside its arrow
-const PATIENCE_MS = 80; // an answer draws the load too; later than this it is drawn alone
+const PATIENCE_MS = 80; // a prediction draws the load too; later than this it is drawn alone
 const COLOURS = { calm: 0x45c3a6, outside: 0xf0a843 };
 
-const chosen = { answer: "network", field: null, solve: false, compare: false, axis: "none" };
-const answers = new Map(); // name → {header, arrays} of the load as it is now
+const chosen = { predictor: "network", field: null, solve: false, compare: false, axis: "none" };
+const predictions = new Map(); // name → {header, arrays} of the load as it is now
 let scene = null;
 let sectionFrame = null;
 let solving = false;
@@ -36,14 +36,14 @@ listen(stage, load, {
     loadChanged();
   },
 });
-const link = new Link({ onScene, onSection, onAnswer, onText, onClosed });
+const link = new Link({ onScene, onSection, onPrediction, onText, onClosed });
 stage.onDrawn = placeForceLabel;
 
 // --- from the server
 
 function onScene(header, arrays) {
   scene = header;
-  chosen.answer = header.answers[0];
+  chosen.predictor = header.predictors[0];
   setFields(header.fields);
   if (!FIELDS[chosen.field]?.available) [chosen.field] = Object.keys(FIELDS);
   $("title").textContent = header.title;
@@ -68,11 +68,11 @@ function onSection(header, arrays) {
   else show();
 }
 
-function onAnswer(header, arrays, sent) {
-  // While the pointer moves, an answer to a moment ago is better than none.
-  if (!load.point || (header.answer === SOLVED && header.id !== link.id)) return;
-  answers.set(header.answer, { header, arrays });
-  if (header.answer === SOLVED) solving = false;
+function onPrediction(header, arrays, sent) {
+  // While the pointer moves, a prediction for a moment ago is better than none.
+  if (!load.point || (header.predictor === SOLVED && header.id !== link.id)) return;
+  predictions.set(header.predictor, { header, arrays });
+  if (header.predictor === SOLVED) solving = false;
   show();
   if (sent !== null) stage.afterDraw = () => link.drawn(sent);
 }
@@ -90,14 +90,14 @@ function onClosed() {
 // --- to the server
 
 function ask() {
-  answers.delete(SOLVED);
+  predictions.delete(SOLVED);
   solving = false;
-  link.push(() => load.message(wanted()));
+  link.request(() => load.message(wanted()));
 }
 
 function wanted() {
-  const { compare, answer, field, solve } = chosen;
-  return { answers: compare ? scene.answers : [answer], field, solve: solve || compare };
+  const { compare, predictor, field, solve } = chosen;
+  return { predictors: compare ? scene.predictors : [predictor], field, solve: solve || compare };
 }
 
 function loadChanged() {
@@ -111,7 +111,7 @@ function loadChanged() {
   } else {
     link.forget();
     link.send({ type: "release" });
-    answers.clear();
+    predictions.clear();
     showRest();
   }
 }
@@ -128,17 +128,17 @@ function askSection() {
 
 // --- on the page
 
-/** Which answers are on show, one a view. */
+/** Which predictions are on show, one a view. */
 function shown() {
-  if (chosen.compare) return [...scene.answers, SOLVED];
-  return [answers.has(SOLVED) ? SOLVED : chosen.answer];
+  if (chosen.compare) return [...scene.predictors, SOLVED];
+  return [predictions.has(SOLVED) ? SOLVED : chosen.predictor];
 }
 
 let patience = 0;
 
-/** Show the load with its answer, so that nothing is drawn twice, but don't wait long. */
+/** Show the load with its prediction, so that nothing is drawn twice, but don't wait long. */
 function showLoadSoon() {
-  if (!answers.has(chosen.answer)) showLoad();
+  if (!predictions.has(chosen.predictor)) showLoad();
   else patience ||= setTimeout(showLoad, PATIENCE_MS);
 }
 
@@ -152,12 +152,12 @@ function showLoad() {
 function show() {
   if (!scene) return;
   const names = shown();
-  stage.views.forEach((view, i) => view.show(answers.get(names[i])?.arrays ?? null));
+  stage.views.forEach((view, i) => view.show(predictions.get(names[i])?.arrays ?? null));
   const range = rangeOf(chosen.field, stage.views.map((v) => v.scalars(chosen.field)).filter(Boolean));
   stage.views.forEach((view) => view.recolour(chosen.field, range));
   panel.showLegend(chosen.field, range);
-  const best = chosen.compare ? answers.get(chosen.answer) : answers.get(names[0]);
-  if (best) panel.showAnswer(best.header, solving);
+  const best = chosen.compare ? predictions.get(chosen.predictor) : predictions.get(names[0]);
+  if (best) panel.showPrediction(best.header, solving);
   showCaptions(names);
   showLoad();
 }
@@ -171,7 +171,7 @@ function showRest() {
 function showCaptions(names) {
   $("captions").replaceChildren(...(names.length < 2 ? [] : names.map((name) => {
     const span = Object.assign(document.createElement("span"), { textContent: NAMES[name] });
-    const header = answers.get(name)?.header;
+    const header = predictions.get(name)?.header;
     const text = header ? `${header.largest_mm.toFixed(2)} mm · ${panel.milliseconds(header.seconds)}`
       : name === SOLVED && solving ? "solving…" : "–";
     span.append(Object.assign(document.createElement("small"), { textContent: text }));
@@ -182,12 +182,12 @@ function showCaptions(names) {
 function showSpeed() {
   const rate = link.rate();
   const latency = link.latencyMs === null ? "" : `${Math.round(link.latencyMs)} ms latency`;
-  panel.write("speed", rate > 1 ? `${rate} answers/s · ${latency}` : latency);
+  panel.write("speed", rate > 1 ? `${rate} predictions/s · ${latency}` : latency);
 }
 setInterval(showSpeed, 500);
 
 function arrangeViews() {
-  stage.setViews(chosen.compare ? scene.answers.length + 1 : 1);
+  stage.setViews(chosen.compare ? scene.predictors.length + 1 : 1);
   if (sectionFrame) {
     for (const view of stage.views) view.setSection(sectionFrame.header, sectionFrame.arrays);
   }
@@ -218,7 +218,7 @@ stage.controls.addEventListener("change", () => { if (sectionFrame) restyle(); }
 /** The arrow's head follows the surface of each view. */
 function placeArrow() {
   if (!load.point) return;
-  const outside = answers.get("network")?.header.status === "outside trained range";
+  const outside = predictions.get("network")?.header.usable === false;
   stage.views.forEach((view, i) => {
     const tip = view.at(load.point);
     if (i === 0) load.tip = tip;
@@ -238,9 +238,9 @@ function placeForceLabel() {
 }
 
 function fillChoices() {
-  panel.choices("answers", scene.answers.map((name) => [name, NAMES[name]]), chosen.answer, (name) => {
-    chosen.answer = name;
-    answers.clear();
+  panel.choices("predictors", scene.predictors.map((name) => [name, NAMES[name]]), chosen.predictor, (name) => {
+    chosen.predictor = name;
+    predictions.clear();
     if (load.point) ask();
   });
   panel.choices("fields",
@@ -278,17 +278,17 @@ $("release").addEventListener("click", () => load.release());
 $("inward").addEventListener("click", () => load.straighten());
 $("reset").addEventListener("click", () => stage.resetView());
 $("save").addEventListener("click", () => {
-  keepLoadCase(load.message(wanted())).catch((error) => panel.showMessage(error.message));
+  saveLoadCase(load.message(wanted())).catch((error) => panel.showMessage(error.message));
 });
 $("screenshot").addEventListener("click", () => {
   const names = shown();
   const range = rangeOf(chosen.field, stage.views.map((v) => v.scalars(chosen.field)).filter(Boolean));
   const lines = [`${scene.title}: ${load.point ? `${load.newton.toFixed(2)} N on a patch of ${load.radius.toFixed(0)} mm` : "at rest"}`];
   lines.push(names.map((name) => {
-    const header = answers.get(name)?.header;
+    const header = predictions.get(name)?.header;
     return header ? `${NAMES[name]}: largest displacement ${header.largest_mm.toFixed(2)} mm` : null;
   }).filter(Boolean).join("   "));
-  keepPicture(stage, { lines, field: chosen.field, range });
+  savePicture(stage, { lines, field: chosen.field, range });
 });
 
 /** For tests and for scripts: what is on show, as plain values. */
@@ -296,6 +296,6 @@ window.physgnn = {
   load,
   stage,
   link,
-  get answers() { return Object.fromEntries([...answers].map(([name, { header }]) => [name, header])); },
+  get predictions() { return Object.fromEntries([...predictions].map(([name, { header }]) => [name, header])); },
   get solving() { return solving; },
 };

@@ -62,7 +62,7 @@ function calm(act) {
 }
 
 export function showRest() {
-  showAnswer.cancel();
+  showPrediction.cancel();
   chip("at rest", "");
   for (const id of ["largest", "tumour", "error"]) $(id).textContent = "–";
   $("reasons").replaceChildren();
@@ -72,33 +72,40 @@ export function showRest() {
   $("error-bar").querySelector(".value").style.left = "0";
 }
 
-export const showAnswer = calm((header, solving) => {
+export const showPrediction = calm((header, solving) => {
   $("largest").textContent = header.largest_mm.toFixed(2);
   $("tumour").textContent = header.tumour_mm === null ? "–" : header.tumour_mm.toFixed(2);
   showError(header);
   showStatus(header);
   const after = solving ? " · finite elements are solving…" : "";
   $("source").textContent =
-    `${NAMES[header.answer]} · ${milliseconds(header.seconds)} · ${header.loaded_nodes} nodes loaded${after}`;
+    `${NAMES[header.predictor]} · ${milliseconds(header.seconds)} · ${header.loaded_nodes} nodes loaded${after}`;
 });
 
-function showStatus({ answer, status, remedy, reasons }) {
-  if (status === "outside trained range") chip("outside the trained range", "outside");
-  else if (status === "tolerance not met") chip("not solved", "failed");
-  else if (answer === "network") chip("inside the trained range", "ok");
-  else chip(answer === "linear" ? "linear elasticity" : "solved", answer === "linear" ? "" : "ok");
+/** What the chip says of a status that is not usable: its text and kind. */
+const FLAGGED = {
+  "outside trained range": ["outside the trained range", "outside"],
+  "tolerance not met": ["not solved", "failed"],
+  "implausible displacement": ["implausible displacement", "failed"],
+};
+
+function showStatus({ predictor, status, usable, remedy, reasons }) {
+  // Linear elasticity is shown to compare with, and says itself what it is.
+  const compared = predictor === "linear" && status === "no error estimate";
+  if (compared) chip("linear elasticity", "");
+  else if (!usable) chip(...(FLAGGED[status] ?? [status, "outside"]));
+  else chip(predictor === "network" ? "inside the trained range" : "solved", "ok");
   $("chip").title = remedy;
-  $("reasons").replaceChildren(...reasons.map((text) =>
+  $("reasons").replaceChildren(...(compared ? [] : reasons).map((text) =>
     Object.assign(document.createElement("li"), { textContent: text })));
 }
 
-function showError({ error, status, largest_mm: largest }) {
+function showError({ error, usable, largest_mm: largest }) {
   const bar = $("error-bar");
   bar.className = error ? "" : "unknown";
   $("error").textContent = error ? precise(error.max_mm) : "?";
   const chance = error?.coverage < 1 ? ` (${Math.round(100 * error.coverage)} %)` : "";
-  const promised = status !== "outside trained range";
-  $("error-name").textContent = promised ? `Error at most${chance}` : "Error, not promised";
+  $("error-name").textContent = usable || !error ? `Error at most${chance}` : "Error, not promised";
   const end = 1.25 * (largest + (error?.max_mm ?? 0)) || 1;
   const percent = (mm) => `${(100 * Math.min(Math.max(mm / end, 0), 1)).toFixed(1)}%`;
   bar.querySelector(".value").style.left = percent(largest);

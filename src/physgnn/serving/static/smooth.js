@@ -1,10 +1,10 @@
 // A finer, rounder copy of a triangle surface that passes through every point of it.
 //
 // Phong tessellation (Boubekeur & Alexa 2008, ACM Trans. Graph. 27): the midpoint of an
-// edge is drawn towards the tangent planes at its ends. For the eye only: what is pushed
+// edge is drawn towards the tangent planes at its ends. For the eye only: what is loaded
 // and what is predicted are the points themselves.
 
-const SHARE = 0.7; // of the way to the tangent planes
+const FRACTION = 0.7; // of the way to the tangent planes
 
 /** Topology of one subdivision: midpoints as pairs of points, and four faces for one. */
 export function subdivision(faces, count) {
@@ -49,7 +49,7 @@ export function round(position, normal, { pairs }, count) {
     }
     for (let k = 0; k < 3; k++) {
       const middle = (position[a + k] + position[b + k]) / 2;
-      position[at + k] = middle - (SHARE / 2) * (alongA * normal[a + k] + alongB * normal[b + k]);
+      position[at + k] = middle - (FRACTION / 2) * (alongA * normal[a + k] + alongB * normal[b + k]);
     }
   }
 }

@@ -2,12 +2,12 @@
 
 import * as THREE from "three";
 
-const EXPOSED = 0.5; // a place counts as exposed from this share of its corners on
+const EXPOSED = 0.5; // a place counts as exposed from this fraction of its corners on
 const HANDLE_PX = 16;
 
 export class Touch {
   /**
-   * `load` has point, direction, newton and methods pushAt(point, normal), setForce(vector);
+   * `load` has point, direction, newton and methods loadAt(point, normal), setForce(vector);
    * `tail()` tells where the arrow's handle is.
    */
   constructor(stage, load, tail) {
@@ -49,7 +49,7 @@ export class Touch {
 
   pressAt(event) {
     const hit = this.hit(event);
-    if (hit) this.load.pushAt(hit.point, hit.normal);
+    if (hit) this.load.loadAt(hit.point, hit.normal);
     return hit !== null;
   }
 
@@ -60,11 +60,11 @@ export class Touch {
     for (const { face, point: touched } of caster.intersectObject(view.front)) {
       const corners = [face.a, face.b, face.c];
       const at = (attribute) => corners.map((i) => new THREE.Vector3().fromBufferAttribute(attribute, i));
-      const share = THREE.Triangle.getBarycoord(touched, ...at(position), new THREE.Vector3()).toArray();
+      const fraction = THREE.Triangle.getBarycoord(touched, ...at(position), new THREE.Vector3()).toArray();
       const point = new THREE.Vector3();
-      at(rest).forEach((place, k) => point.addScaledVector(place, share[k]));
+      at(rest).forEach((place, k) => point.addScaledVector(place, fraction[k]));
       if (view.isCutAway(point)) continue;
-      const isExposed = corners.reduce((sum, c, k) => sum + share[k] * exposed.getX(c), 0);
+      const isExposed = corners.reduce((sum, c, k) => sum + fraction[k] * exposed.getX(c), 0);
       return isExposed < EXPOSED ? null : { point, normal: this.load.normalAt(point) };
     }
     return null;

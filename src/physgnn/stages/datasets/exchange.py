@@ -98,7 +98,7 @@ def import_results(
     element : str
         The finite element that the results stand for.
     progress : callable, optional
-        Told the load paths done, in all, and where the last came from.
+        Called with the load paths done, in all, and where the last came from.
 
     Raises
     ------

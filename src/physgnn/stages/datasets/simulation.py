@@ -50,7 +50,7 @@ def simulate(
     solver : str
         A row of ``SOLVERS``.
     progress : callable, optional
-        Told the paths done, the paths in all, and how the last one ended.
+        Called with the paths done, the paths in all, and how the last one ended.
 
     Returns
     -------

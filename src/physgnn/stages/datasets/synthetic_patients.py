@@ -19,7 +19,7 @@ def anatomies(
 ) -> list[Path]:
     """Draw synthetic patients as meshes, ``anatomy-<seed>.vtu``.
 
-    Those already there are kept; a patient that cannot be meshed (its tumour may reach
+    Those already there stay; a patient that cannot be meshed (its tumour may reach
     the cortex) is passed over for the next.
 
     Parameters

@@ -97,7 +97,7 @@ def ablate(
     epochs, samples, seeds, split, width, precision
         See `Ablation`.
     progress : callable, optional
-        Told after every network.
+        Called after every network.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def run_ablation(
         Gets a run folder a network, ablation.json and the figure. Two processes may
         share it, one a dataset; a last call with both draws them.
     progress : callable, optional
-        Told after every network.
+        Called after every network.
 
     Raises
     ------

@@ -79,14 +79,15 @@ def slim_copy(run: Path, out: Path, *, errors: str) -> None:
     """
     from physgnn.learning.runs.checkpoint import Checkpoint
     from physgnn.learning.runs.model_card import write_model_card
+    from physgnn.prediction.error_bounds.calibration import Calibration
 
     files, copies = RunFolder(run), RunFolder(out)
     checkpoint = Checkpoint.load(run)
     data = {**checkpoint.record["data"], "path": MADE_BY, "paths": [MADE_BY]}
+    data.pop("stores", None)
     out.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(files.case, copies.case)
-    for calibration in files.calibrations:
-        shutil.copyfile(calibration, out / calibration.name)
     Checkpoint(checkpoint.model, {**checkpoint.record, "data": data}).save(out)
-    copies.weights.chmod(0o644)  # for whoever the package is installed for
+    for calibration in files.calibrations:
+        Calibration.read(calibration).write(out / calibration.name)
     write_model_card(out, errors)

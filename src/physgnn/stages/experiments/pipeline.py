@@ -40,7 +40,7 @@ class Pipeline:
     show : callable
         From a title to a context that yields a progress callback.
     log : callable
-        Told what is there already.
+        Receives a line on what is there already.
     """
 
     folder: Path

@@ -1,6 +1,5 @@
 """From trained runs to tables, figures and a report."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -69,12 +68,19 @@ def evaluate(
 
 
 def store_of(run: str | Path) -> Path:
-    """Return the dataset a run was trained on, as its record names it."""
+    """Return the dataset a run was trained on, where its record says.
+
+    Raises
+    ------
+    InputError
+        If there is no record, or no dataset where it says.
+    """
+    from physgnn.learning.runs.record import place_of_store, read_json
+
     try:
-        record = json.loads(RunFolder(Path(run)).record.read_text("utf-8"))
-        return Path(record["data"]["path"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        return place_of_store(Path(run), read_json(RunFolder(Path(run)).record))
+    except (KeyError, TypeError) as error:
         raise InputError(
-            f"{run} is no run folder: it has no readable run.json; train one, or name "
-            "the dataset with --store"
+            f"{run} is no run folder: its run.json names no dataset; train one, or "
+            "name the dataset with --store"
         ) from error

@@ -50,8 +50,8 @@ def published(
     points, cells, region, x, y = _arrays(Path(golden), names)
     graph = Graph.from_mesh(TetMesh(points, cells, region))
     with torch.inference_mode():
-        answer = network(torch.from_numpy(x), graph).numpy()
-    return float(np.linalg.norm(answer - y, axis=1).max())
+        output = network(torch.from_numpy(x), graph).numpy()
+    return float(np.linalg.norm(output - y, axis=1).max())
 
 
 def _arrays(path: Path, names: Sequence[str]) -> list[np.ndarray[Any, Any]]:

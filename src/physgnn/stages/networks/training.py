@@ -65,7 +65,7 @@ precision, seed
     resume : bool
         Continue an interrupted run.
     progress : callable, optional
-        Told the part of the budget spent, in thousandths.
+        Called with the part of the budget spent, in thousandths.
 
     Returns
     -------

@@ -45,7 +45,7 @@ def adapt(
     Parameters
     ----------
     run : path
-        Folder of a lifted network trained with modes = 0, best on several bodies.
+        Folder of a lifted network trained with pod_modes = 0, best on several bodies.
     case : path
         The new patient's mesh, VTU.
     out : path
@@ -72,7 +72,7 @@ def adapt_run(
     Parameters
     ----------
     run : path
-        Folder of a lifted network trained with modes = 0, best on several bodies.
+        Folder of a lifted network trained with pod_modes = 0, best on several bodies.
     mesh : TetMesh
         The new patient's.
     preset : str or Preset

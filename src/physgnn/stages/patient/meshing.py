@@ -15,6 +15,8 @@ from physgnn.geometry import (
     select,
     tetrahedralize,
 )
+from physgnn.geometry.plausibility import check_millimetres, check_volume_ml
+from physgnn.geometry.surface import volume
 from physgnn.progress import Log, no_log
 
 MESHED_LABELS_POINTS = 10_000  # about how many points a label map's mesh has
@@ -35,6 +37,9 @@ def mesh(
     max_volume_mm3: float | None = None,
     target_points: int | None = None,
     quality_floor: float | None = None,
+    ignore_labels: bool = False,
+    any_size: bool = False,
+    affine: str | None = None,
     log: Log = no_log,
 ) -> TetMesh:
     """Fill surfaces, or a label map, with tetrahedra and name point sets.
@@ -62,8 +67,15 @@ def mesh(
         About how many points the mesh shall have.
     quality_floor : float, optional
         Smallest mean ratio a cell may have; see `physgnn.geometry.check_quality`.
+    ignore_labels : bool
+        Whether labels that are not named may be left out of the mesh.
+    any_size : bool
+        Whether the brain may have less than 50 or more than 2500 ml.
+    affine : str, optional
+        "sform" or "qform": which place of a label map is meant where its header has two
+        that disagree.
     log : callable
-        Told what was repaired, and the mesh's size and quality.
+        Called with what was repaired, and the mesh's size and quality.
 
     Raises
     ------
@@ -93,10 +105,17 @@ def mesh(
             ),
             smoothing_mm=smoothing_mm,
             closing_mm=closing_mm,
+            ignore_labels=ignore_labels,
+            any_size=any_size,
+            affine=affine,
             **shared,
         )
     else:
         surface, *inner = named_surfaces(brain, tumour)
+        check_millimetres(surface.points, str(brain or "brain"))
+        enclosed = abs(volume(surface))
+        for line in check_volume_ml(enclosed, str(brain or "brain"), any_size=any_size):
+            log(line)
         size: dict[str, Any] = {
             "max_volume_mm3": max_volume_mm3,
             "target_points": target_points,
@@ -125,6 +144,7 @@ def mesh_surfaces(
     *,
     rules: Mapping[str, Rule] | None = None,
     quality_floor: float | None = None,
+    names: Sequence[str] = (),
     log: Log = no_log,
     **size: Any,
 ) -> TetMesh:
@@ -138,8 +158,10 @@ def mesh_surfaces(
         Point sets by name.
     quality_floor : float, optional
         See `physgnn.geometry.check_quality`.
+    names : sequence of str
+        What messages call the surfaces inside the brain; by default tumours.
     log : callable
-        Told what was repaired, and the mesh's size and quality.
+        Called with what was repaired, and the mesh's size and quality.
     **size
         ``max_volume_mm3`` or ``target_points``; by default the published rule.
 
@@ -149,11 +171,12 @@ def mesh_surfaces(
         If a surface cannot be meshed, a rule selects nothing, or a cell is too flat.
     """
     checked = []
+    default = [f"tumour {i + 1}" for i in range(len(tumours))]
     for i, surface in enumerate([brain, *tumours]):
-        name = "brain" if i == 0 else f"tumour {i}"
-        surface, mended = check_surface(surface, name)
+        name = ["brain", *(names or default)][i]
+        surface, repaired = check_surface(surface, name)
         checked.append(surface)
-        for line in mended:
+        for line in repaired:
             log(line)
     check_nested(checked[0], checked[1:])
     mesh = tetrahedralize(checked[0], checked[1:], log=log, **size)

@@ -21,7 +21,9 @@ def predict(
     precision: str = "float32",
     estimate: str = "physical",
 ) -> "Prediction":
-    """Answer a load case from a JSON file and write the displacement.
+    """Predict the displacement under a load case from a JSON file and write it.
+
+    It is written whatever its status is, with the status and the reasons for it inside.
 
     Parameters
     ----------
@@ -30,11 +32,12 @@ def predict(
     load : path
         JSON.
     out : path
-        Where the answer goes; its suffix decides in what form.
+        Where the displacement goes; its suffix decides in what form.
     form : str, optional
-        A row of `physgnn.io.answer_files.FORMS`, where the suffix leaves a choice.
+        A row of `physgnn.io.displacement_files.FORMS`, where the suffix leaves a
+        choice.
     image : path, optional
-        NIfTI whose voxels an answer on voxels has; by default 2 mm around the body.
+        NIfTI whose voxels a field on voxels has; by default 2 mm around the body.
     tolerance_mm : float, optional
         See `physgnn.prediction.Predictor`.
     linear : bool
@@ -47,10 +50,10 @@ def predict(
     Raises
     ------
     InputError
-        If a file cannot be used, or the answer not be written so.
+        If a file cannot be used, or the displacement not be written so.
     """
     from physgnn.io import read_load_case
-    from physgnn.io.answer_files import DisplacementFields, form_of
+    from physgnn.io.displacement_files import DisplacementFields, form_of
     from physgnn.io.medical.nifti import read_image
     from physgnn.learning.models import build_model
     from physgnn.prediction.predictor import Predictor
@@ -66,5 +69,6 @@ def predict(
         solution = build_model("linear", body)
         fields["linear_displacement_mm"] = solution.predict(case)
     fields["force_n"] = case.on_points(body.mesh.n_points)
-    write(Path(out), DisplacementFields(body.mesh, fields, grid))
+    said = str(prediction.status), prediction.reasons
+    write(Path(out), DisplacementFields(body.mesh, fields, grid, *said))
     return prediction

@@ -9,13 +9,14 @@ from physgnn.errors import InputError
 from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.regions import REGIONS
 from physgnn.io import read_mesh
-from physgnn.io.answer_files import DisplacementFields, form_of
+from physgnn.io.displacement_files import DisplacementFields, form_of
 from physgnn.io.medical.markups import read_point_pairs
 from physgnn.io.medical.measured_surface import read_surface_points
 from physgnn.io.medical.nifti import read_image
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
+from physgnn.progress import Log, no_log
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.registration.registrar import Registration
@@ -37,8 +38,11 @@ def register(
     materials: str | Path | None = None,
     form: str | None = None,
     image: str | Path | None = None,
+    log: Log = no_log,
 ) -> "Registration":
     """Find the displacement of a whole brain from what was measured of its surface.
+
+    It is written whatever its status is, with the status and the reasons for it inside.
 
     Parameters
     ----------
@@ -60,6 +64,8 @@ def register(
         published work. Only ratios of stiffness matter.
     form, image
         See `physgnn.stages.predict`.
+    log : callable
+        Called with which measured points were left out, and why.
 
     Raises
     ------
@@ -71,9 +77,9 @@ def register(
     write = form_of(out, form).write
     grid = None if image is None else read_image(image).grid
     if points is not None and surface is None:
-        measured: PointPairs | SurfacePoints = read_point_pairs(points, target)
+        measured: PointPairs | SurfacePoints = read_point_pairs(points, target, log=log)
     elif surface is not None and points is None and target is None:
-        measured = read_surface_points(surface)
+        measured = read_surface_points(surface, log=log)
     else:
         raise InputError("give --points (and --target), or --surface")
     case = read_mesh(mesh)
@@ -85,5 +91,6 @@ def register(
         "deviation_mm": found.deviation_mm,
         "force_n": found.forces,
     }
-    write(Path(out), DisplacementFields(case, fields, grid))
+    said = str(found.prediction.status), found.prediction.reasons
+    write(Path(out), DisplacementFields(case, fields, grid, *said))
     return found

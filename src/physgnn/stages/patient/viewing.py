@@ -31,7 +31,7 @@ def view(
     igtl_surfaces : bool
         Stream the deformed surfaces too.
     log : callable
-        Told the addresses.
+        Receives the addresses, a line each.
 
     Raises
     ------

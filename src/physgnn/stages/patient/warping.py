@@ -36,6 +36,7 @@ def warp(
     field: Sequence[str | Path] = (),
     jacobian: str | Path | None = None,
     slices: str | Path | None = None,
+    affine: str | None = None,
     log: Log = no_log,
 ) -> Image:
     """Deform an image as a prediction says, and write what goes with it.
@@ -58,16 +59,21 @@ def warp(
         Where the map of det F goes, on the voxels of the rest state.
     slices : path, optional
         PNG of slices before, after and as a checkerboard.
+    affine : str, optional
+        "sform" or "qform": which place of the image is meant where its header has two
+        that disagree.
     log : callable
-        Told the round trip's error and what folds.
+        Gets a line on the round trip's error, on what folds, and on why the
+        displacement was not called ok if it was not.
 
     Raises
     ------
     InputError
         If a file cannot be used, or image and mesh do not meet.
     """
-    mesh, u = read_displacement(prediction)
-    before = read_segmentation(image) if labels else read_image(image)
+    mesh, u = read_displacement(prediction, log=log)
+    read = read_segmentation if labels else read_image
+    before = read(image, affine=affine, log=log)
     inverse = inverse_field(mesh, u, before.grid)
     after = warped(before, inverse, interpolation=interpolation)
     write_image(out, after)

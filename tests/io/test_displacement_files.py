@@ -9,7 +9,7 @@ import SimpleITK as sitk
 from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.answer_files import FORMS, DisplacementFields, form_of
+from physgnn.io.displacement_files import FORMS, DisplacementFields, form_of
 from physgnn.io.medical.nifti import read_segmentation
 from physgnn.io.vtk.prediction_file import read_displacement
 
@@ -25,7 +25,7 @@ NAMES = {
 
 
 @pytest.fixture
-def answer(block: TetMesh) -> DisplacementFields:
+def fields(block: TetMesh) -> DisplacementFields:
     affine = np.diag([-0.5, -0.5, 0.5, 1.0])
     affine[:3, 3] = 14.75, 14.75, -4.75
     fields = {"displacement_mm": np.tile(SHIFT, (block.n_points, 1))}
@@ -33,13 +33,13 @@ def answer(block: TetMesh) -> DisplacementFields:
 
 
 def test_a_shift_is_the_same_in_every_form(
-    answer: DisplacementFields, block: TetMesh, tmp_path: Path
+    fields: DisplacementFields, block: TetMesh, tmp_path: Path
 ) -> None:
     for name, form in FORMS.items():
-        form_of(tmp_path / NAMES[name], name).write(tmp_path / NAMES[name], answer)
+        form_of(tmp_path / NAMES[name], name).write(tmp_path / NAMES[name], fields)
         assert form_of(NAMES[name], name) is form
     _, u = read_displacement(tmp_path / "a.vtu")
-    np.testing.assert_array_equal(u, answer.displacement)
+    np.testing.assert_array_equal(u, fields.displacement)
     moved = pv.read(tmp_path / "b.vtu")
     np.testing.assert_allclose(moved.points, block.points + SHIFT, atol=1e-6)
     middle = np.array([5.0, 5.0, 5.0])
@@ -48,16 +48,16 @@ def test_a_shift_is_the_same_in_every_form(
     back = np.array(transform.TransformPoint((middle * lps).tolist())) * lps
     np.testing.assert_allclose(back, middle - SHIFT, atol=1e-6)
     forward, inverse = (nib.load(tmp_path / name) for name in ("d.nii.gz", "e.nii.gz"))
-    at = tuple(answer.voxels.to_index(middle[None])[0].round().astype(int))
+    at = tuple(fields.voxels.to_index(middle[None])[0].round().astype(int))
     np.testing.assert_allclose(forward.get_fdata()[at], SHIFT, atol=1e-6)
     np.testing.assert_allclose(inverse.get_fdata()[at][0], -SHIFT * lps, atol=1e-6)
 
 
 def test_labels_are_where_the_regions_go(
-    answer: DisplacementFields, tmp_path: Path
+    fields: DisplacementFields, tmp_path: Path
 ) -> None:
     path = tmp_path / NAMES["labels"]
-    form_of(path, "labels").write(path, answer)
+    form_of(path, "labels").write(path, fields)
     found = read_segmentation(path)
     volume = (found.data > 0).sum() * found.grid.voxel_volume_mm3
     assert volume == pytest.approx(1000.0)

@@ -22,7 +22,12 @@ from physgnn.imaging import (
 )
 from physgnn.io.medical.nifti import SUFFIXES, write_image
 from physgnn.io.medical.transforms import write_field
-from physgnn.io.vtk.prediction_file import DISPLACEMENT, write_deformed
+from physgnn.io.vtk.prediction_file import (
+    DISPLACEMENT,
+    REASONS,
+    STATUS,
+    write_deformed,
+)
 from physgnn.io.vtk.vtu import write_prediction
 
 IMAGES = tuple(reversed(SUFFIXES))
@@ -40,16 +45,27 @@ class DisplacementFields:
         On its points; ``displacement_mm`` is among them.
     grid : ImageGrid, optional
         Of images; by default 2 mm voxels around the body.
+    status : str
+        What the displacement is called.
+    reasons : tuple of str
+        Why it is not ok, a line each.
     """
 
     mesh: TetMesh
     fields: Mapping[str, FloatArray]
     grid: ImageGrid | None = None
+    status: str = ""
+    reasons: tuple[str, ...] = ()
 
     @property
     def displacement(self) -> FloatArray:
         """On the mesh's points, (n_points, 3), mm."""
         return self.fields[DISPLACEMENT]
+
+    @property
+    def notes(self) -> dict[str, tuple[str, ...]]:
+        """Status and reasons, as VTK files carry them."""
+        return {STATUS: (self.status,) if self.status else (), REASONS: self.reasons}
 
     @property
     def voxels(self) -> ImageGrid:
@@ -100,7 +116,7 @@ def form_of(path: str | Path, name: str | None = None) -> FileForm:
     wanted = [suffix for form in FORMS.values() for suffix in form.suffixes]
     if name is not None:
         wanted = list(FORMS[name].suffixes)
-    of = "an answer" if name is None else f"form '{name}'"
+    of = "a displacement" if name is None else f"form '{name}'"
     raise InputError(
         f"{path}: {of} is written as {', '.join(dict.fromkeys(wanted))} "
         f"(got '{Path(path).name}')"
@@ -108,24 +124,26 @@ def form_of(path: str | Path, name: str | None = None) -> FileForm:
 
 
 def _write_rest(path: Path, fields: DisplacementFields) -> None:
-    write_prediction(path, fields.mesh, fields.fields)
+    write_prediction(path, fields.mesh, fields.fields, notes=fields.notes)
 
 
 def _write_deformed(path: Path, fields: DisplacementFields) -> None:
-    write_deformed(path, fields.mesh, fields.displacement)
+    write_deformed(path, fields.mesh, fields.displacement, notes=fields.notes)
 
 
 def _write_forward(path: Path, fields: DisplacementFields) -> None:
     field = forward_field(fields.mesh, fields.displacement, fields.voxels)
-    write_field(path, field, convention="ras")
+    write_field(path, field, convention="ras", note=fields.status)
 
 
 def _write_inverse(path: Path, fields: DisplacementFields) -> None:
-    write_field(path, inverse_field(fields.mesh, fields.displacement, fields.voxels))
+    field = inverse_field(fields.mesh, fields.displacement, fields.voxels)
+    write_field(path, field, note=fields.status)
 
 
 def _write_labels(path: Path, fields: DisplacementFields) -> None:
-    write_image(path, deformed_labels(fields.mesh, fields.displacement, fields.voxels))
+    labels = deformed_labels(fields.mesh, fields.displacement, fields.voxels)
+    write_image(path, labels, note=fields.status)
 
 
 # Where two forms share a suffix, the first is what the name alone stands for.

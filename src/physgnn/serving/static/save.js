@@ -11,7 +11,7 @@ function download(blob, name) {
 }
 
 /** The picture on the page with a caption and the legend below. */
-export function keepPicture(stage, { lines, field, range }) {
+export function savePicture(stage, { lines, field, range }) {
   stage.setSharp(true);
   stage.draw(); // the drawing buffer is only there right after drawing
   const { width, height } = stage.canvas;
@@ -40,8 +40,8 @@ export function keepPicture(stage, { lines, field, range }) {
   canvas.toBlob((blob) => download(blob, "physgnn.png"), "image/png");
 }
 
-/** Ask the server for the nodal forces of a push and save them. */
-export async function keepLoadCase(message) {
+/** Ask the server for the nodal forces of a patch load and save them. */
+export async function saveLoadCase(message) {
   const reply = await fetch("/load-case", { method: "POST", body: JSON.stringify(message) });
   const content = await reply.json();
   if (!reply.ok) throw new Error(content.error);

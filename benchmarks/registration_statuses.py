@@ -1,0 +1,196 @@
+"""How often a registration's status is wrong, on good and on bad measurements.
+
+    OMP_NUM_THREADS=1 python benchmarks/registration_statuses.py --cases 12
+
+The shifts are those of `benchmarks/shifts.py`. Each is measured well, and then badly in
+every way of `BAD`: too few points, one point many times, points in a line or a cluster,
+pairs swapped or gone astray, a tracker that moved, a surface far away or in other
+units, a noise stated far too small.
+
+A registration is *wrong* if its largest error is above its bound. Counted are the
+registrations that are wrong and called usable, and those that are right and flagged;
+a refusal is neither. What the log has is not registered again. Prints Markdown.
+"""
+
+import argparse
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from physgnn.geometry.measured_pairs import PointPairs
+from physgnn.geometry.measured_surface import SurfacePoints
+
+from held_out import Log
+from physgnn.arrays import FloatArray, IntArray
+from physgnn.errors import InputError
+from physgnn.prediction import PredictionStatus
+from registration import TOLD_MM, Compared
+from shifts import Case, Truth
+from tables import machine, table
+
+Measured = PointPairs | SurfacePoints
+USUAL = 40  # pairs, of the 50 there are
+STRAY_MM = 15.0  # each coordinate of a bad point
+
+
+def _some(case: Case, chosen: IntArray | slice) -> PointPairs:
+    return PointPairs(case.pairs.source[chosen], case.pairs.target[chosen])
+
+
+def _direction(case: Case, name: str) -> FloatArray:
+    """Return a unit vector out of the exposed surface, into it, or along it."""
+    around = case.pairs.source - case.pairs.source.mean(axis=0)
+    out = np.linalg.svd(around)[2][2]
+    out *= np.sign(out[2])  # the bundled craniotomy looks up
+    return {"out": out, "in": -out, "side": np.linalg.svd(around)[2][0]}[name]
+
+
+def first(count: int, case: Case) -> Measured:
+    return _some(case, slice(count))
+
+
+def repeated(places: int, case: Case) -> Measured:
+    return _some(case, np.tile(np.arange(places), 10))
+
+
+def in_a_line(case: Case) -> Measured:
+    around = case.pairs.source - case.pairs.source.mean(axis=0)
+    across = around @ np.linalg.svd(around)[2][1]
+    return _some(case, np.argsort(np.abs(across))[:8])
+
+
+def clustered(case: Case) -> Measured:
+    distance = np.linalg.norm(case.pairs.source - case.pairs.source[0], axis=1)
+    return _some(case, np.argsort(distance)[:8])
+
+
+def swapped(case: Case) -> Measured:
+    pairs = _some(case, slice(USUAL))
+    target = pairs.target.copy()
+    target[[3, 20]] = target[[20, 3]]
+    return PointPairs(pairs.source, target)
+
+
+def astray(case: Case) -> Measured:
+    pairs = _some(case, slice(USUAL))
+    target = pairs.target.copy()
+    random = np.random.default_rng(0)
+    target[[3, 20, 30]] += STRAY_MM * random.normal(size=(3, 3))
+    return PointPairs(pairs.source, target)
+
+
+def tracker(mm: float, where: str, case: Case) -> Measured:
+    """Move the tracker alone: the brain is where it was."""
+    source = case.pairs.source
+    noise = TOLD_MM * np.random.default_rng(0).normal(size=source.shape)
+    return PointPairs(source, source + mm * _direction(case, where) + noise)
+
+
+def both(mm: float, where: str, case: Case) -> Measured:
+    """Add the tracker's motion to the brain's."""
+    away = mm * _direction(case, where)
+    return PointPairs(case.pairs.source, case.pairs.target + away)
+
+
+def away(mm: float, where: str, case: Case) -> Measured:
+    return SurfacePoints(case.surface.points + mm * _direction(case, where))
+
+
+def scaled(by: float, case: Case) -> Measured:
+    return SurfacePoints(case.surface.points * by)
+
+
+GOOD: Mapping[str, Callable[[Case], Measured]] = {
+    "50 pairs": lambda case: case.pairs,
+    "20 pairs": partial(first, 20),
+    "10 pairs": partial(first, 10),
+    "surface": lambda case: case.surface,
+}
+BAD: Mapping[str, Callable[[Case], Measured]] = {
+    "3 pairs": partial(first, 3),
+    "5 pairs": partial(first, 5),
+    "one pair ten times": partial(repeated, 1),
+    "3 pairs ten times": partial(repeated, 3),
+    "8 pairs in a line": in_a_line,
+    "8 pairs in a cluster": clustered,
+    "two of 40 pairs swapped": swapped,
+    "three of 40 pairs astray": astray,
+    "tracker moved 8 mm, out": partial(tracker, 8.0, "out"),
+    "tracker moved 8 mm, aside": partial(tracker, 8.0, "side"),
+    "shift, and tracker moved 8 mm, in": partial(both, 8.0, "in"),
+    "surface 15 mm off, out": partial(away, 15.0, "out"),
+    "surface 15 mm off, in": partial(away, 15.0, "in"),
+    "surface in cm": partial(scaled, 0.1),
+    "surface in m": partial(scaled, 0.001),
+}
+NOISE_TOLD_MM = {"noise stated 10 times too small": 0.1 * TOLD_MM}
+STILL = ("tracker moved 8 mm, out", "tracker moved 8 mm, aside")
+
+
+def measure(body: Compared, name: str, measured: Measured, truth: FloatArray) -> dict:
+    """Return what one registration says and how wrong it is."""
+    noise = NOISE_TOLD_MM.get(name, TOLD_MM)
+    try:
+        found = body.registrar(measured, noise_mm=noise).prediction
+    except InputError:
+        return {"status": "refused"}
+    error = np.linalg.norm(body.at_truth(found.displacement) - truth, axis=1).max()
+    assert found.error_estimate_mm is not None
+    return {
+        "status": found.status.name,
+        "error": float(error),
+        "bound": found.error_estimate_mm.max_mm,
+        "reasons": list(found.reasons),
+    }
+
+
+def row(name: str, records: list[dict[str, Any]]) -> tuple[str, ...]:
+    made = [r for r in records if r["status"] != "refused"]
+    usable = [PredictionStatus[r["status"]].usable for r in made]
+    wrong = [r["error"] > r["bound"] for r in made]
+    pairs = list(zip(usable, wrong, strict=True))
+    statuses = Counter(r["status"].lower().replace("_", " ") for r in records)
+    return (
+        name,
+        str(len(records)),
+        str(sum(wrong)),
+        str(sum(u and w for u, w in pairs)),
+        str(sum(not u and not w for u, w in pairs)),
+        ", ".join(f"{n} {status}" for status, n in statuses.most_common()),
+    )
+
+
+def rows(log: Log) -> Iterator[tuple[str, ...]]:
+    for name in (*GOOD, *NOISE_TOLD_MM, *BAD):
+        if records := log.of(name):
+            yield row(name, records)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--log", type=Path, default=Path("registration-statuses.jsonl"))
+    parser.add_argument("--cases", type=int, default=12)
+    parser.add_argument("--points", type=int, default=2000)
+    parser.add_argument("--first-seed", type=int, default=400)
+    options = parser.parse_args()
+    print(machine())
+    truth, log = Truth(int(1.5 * options.points), "fixed"), Log(options.log)
+    body = Compared(options.points, "fixed", truth.mesh.points)
+    ways = {**GOOD, **dict.fromkeys(NOISE_TOLD_MM, GOOD["50 pairs"]), **BAD}
+    for seed in range(options.first_seed, options.first_seed + options.cases):
+        missing = [n for n in ways if list(log.missing([(seed, 0)], n))]
+        case = truth.case(seed) if missing else None
+        for name in missing:
+            assert case is not None
+            u = np.zeros_like(case.displacement) if name in STILL else case.displacement
+            said = measure(body, name, ways[name](case), u)
+            log.add(path=seed, level=1, what=name, **said)
+    head = ("measured", "cases", "wrong", "wrong and usable", "right and flagged")
+    table((*head, "ended"), rows(log))
+
+
+if __name__ == "__main__":
+    main()

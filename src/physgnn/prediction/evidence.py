@@ -1,0 +1,250 @@
+"""From what is known about a displacement to its status: one function decides.
+
+A displacement is called ok only where something positive speaks for it: a calibrated
+bound or the physical estimate of its error, and for a registration a measurement that
+is large enough, near enough and met to within its noise.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from physgnn.prediction.status import PredictionStatus
+
+# An error so small is small whatever the displacement; the tracking of a tool is not
+# better (benchmarks/statuses.py counts what these two do).
+SMALL_MM = 0.5
+SMALL_OF_DISPLACEMENT = 0.1
+# Cortical shifts of up to 24 mm were seen in 64 patients (Nimsky et al. 2000,
+# "Quantification of, visualization of, and compensation for brain shift using
+# intraoperative magnetic resonance imaging", Neurosurgery 47, 1070-1080).
+LARGEST_SHIFT_MM = 40.0
+# Brain tissue hardly changes its volume. In simulated shifts of 5 to 12 mm det F is
+# between 0.86 and 1.12 when registered (docs/results/registration.md).
+SMALLEST_JACOBIAN, LARGEST_JACOBIAN = 0.5, 2.0
+# Three unknown components of translation and of rotation are six; a point gives three
+# numbers, and half of those shall be left to say how well the others fit.
+FEWEST_PLACES = 6
+SAME_PLACE_MM = 1.0  # points nearer to each other than this count once
+LEAST_SPREAD_MM = 3.0  # across the line along which the points spread most
+# A real surface sank by 10 mm on average (Roberts et al. 1998, "Intraoperative brain
+# shift and deformation", Neurosurgery 43, 749-758).
+FARTHEST_SURFACE_MM = 10.0
+# Translations up to this were seen in tests of a sinking surface that is nearly flat.
+LARGEST_TRANSLATION_MM = 7.0
+AS_WELL = 1.1  # squared misfit of a translation over that of the elastic body
+LEAST_CHANCE = 1e-3  # of so large a misfit, if noise alone were its cause
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How well a registration meets what was measured.
+
+    Attributes
+    ----------
+    n_places : int
+        Places measured; those within `SAME_PLACE_MM` of each other count once.
+    spread_mm : float
+        Standard deviation of the places along their second principal axis.
+    distance_mm : float
+        Median distance of a measured surface from the body's at rest; 0 for pairs.
+    translation_mm : float
+        Length of the translation that meets the measurement best.
+    translation_misfit : float
+        Squared misfit of that translation over that of the elastic body, each divided
+        by its degrees of freedom.
+    misfit_ratio : float
+        Squared misfit over what the stated noise lets expect.
+    chance : float
+        Probability of a misfit as large, by noise alone.
+    """
+
+    n_places: int
+    spread_mm: float
+    distance_mm: float
+    translation_mm: float
+    translation_misfit: float
+    misfit_ratio: float
+    chance: float
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What is known about a displacement.
+
+    Attributes
+    ----------
+    largest_mm : float
+        Its largest length; NaN if it is not finite.
+    bound_mm : float, optional
+        Calibrated bound on the largest error.
+    likely_mm : float, optional
+        Physical estimate of the largest error.
+    tolerance_mm : float, optional
+        The largest error wanted; by default what is small beside the displacement.
+    outside : tuple of str
+        Why the load is unlike those trained on, a line each.
+    sound : bool
+        Whether the surrogate trusts its own displacement.
+    converged : bool
+        Whether the search for equilibrium ended there.
+    jacobian : (float, float), optional
+        Smallest and largest det F over cells, where it was computed.
+    fit : Fit, optional
+        Of a registration.
+    """
+
+    largest_mm: float
+    bound_mm: float | None = None
+    likely_mm: float | None = None
+    tolerance_mm: float | None = None
+    outside: tuple[str, ...] = ()
+    sound: bool = True
+    converged: bool = True
+    jacobian: tuple[float, float] | None = None
+    fit: Fit | None = None
+
+    @property
+    def wanted_mm(self) -> float:
+        """The largest error that is called small."""
+        if self.tolerance_mm is not None:
+            return self.tolerance_mm
+        return max(SMALL_MM, SMALL_OF_DISPLACEMENT * self.largest_mm)
+
+    @property
+    def is_small(self) -> bool:
+        """Whether the physical estimate says that the error is small."""
+        return self.likely_mm is not None and self.likely_mm <= self.wanted_mm
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A status and the reasons for it, one line each; none if it is ok."""
+
+    status: PredictionStatus
+    reasons: tuple[str, ...] = ()
+
+
+def decide(evidence: Evidence) -> Verdict:
+    """Return the status that evidence calls for: the first row of `RULES` that objects.
+
+    The reasons of all rows are listed, those of the status first.
+    """
+    found = [(status, tuple(rule(evidence))) for status, rule in RULES]
+    objections = [(status, reasons) for status, reasons in found if reasons]
+    if not objections:
+        return Verdict(PredictionStatus.OK)
+    return Verdict(
+        objections[0][0], tuple(line for _, reasons in objections for line in reasons)
+    )
+
+
+def _not_converged(evidence: Evidence) -> Iterator[str]:
+    if not evidence.converged:
+        yield "the search for equilibrium ended early"
+
+
+def _too_few(evidence: Evidence) -> Iterator[str]:
+    fit = evidence.fit
+    if fit is None:
+        return
+    if fit.n_places < FEWEST_PLACES:
+        yield f"{fit.n_places} places were measured (at least {FEWEST_PLACES})"
+    if not fit.spread_mm >= LEAST_SPREAD_MM:
+        yield (
+            f"the places spread by {fit.spread_mm:.1f} mm across their longest axis "
+            f"(at least {LEAST_SPREAD_MM:g} mm)"
+        )
+
+
+def _too_far(evidence: Evidence) -> Iterator[str]:
+    fit = evidence.fit
+    if fit is not None and fit.distance_mm > FARTHEST_SURFACE_MM:
+        yield (
+            f"half of the measured surface is {fit.distance_mm:.1f} mm or more from "
+            f"the body's at rest (at most {FARTHEST_SURFACE_MM:g} mm)"
+        )
+
+
+def _moved_as_a_whole(evidence: Evidence) -> Iterator[str]:
+    fit = evidence.fit
+    if (
+        fit is not None
+        and fit.translation_mm > LARGEST_TRANSLATION_MM
+        and fit.translation_misfit < AS_WELL
+    ):
+        yield (
+            f"a translation by {fit.translation_mm:.1f} mm explains the measurement as "
+            "well as a deformation does"
+        )
+
+
+def _implausible(evidence: Evidence) -> Iterator[str]:
+    if not np.isfinite(evidence.largest_mm):
+        yield "the displacement is not finite"
+    elif evidence.largest_mm > LARGEST_SHIFT_MM:
+        yield (
+            f"the largest displacement is {evidence.largest_mm:.1f} mm (of a brain at "
+            f"most {LARGEST_SHIFT_MM:g} mm)"
+        )
+    if evidence.jacobian is None:
+        return
+    smallest, largest = evidence.jacobian
+    if smallest < SMALLEST_JACOBIAN or largest > LARGEST_JACOBIAN:
+        yield (
+            f"cells change their volume by factors from {smallest:.2f} to "
+            f"{largest:.2f} (of a brain {SMALLEST_JACOBIAN:g} to {LARGEST_JACOBIAN:g})"
+        )
+
+
+def _misfit(evidence: Evidence) -> Iterator[str]:
+    fit = evidence.fit
+    if fit is not None and not fit.chance >= LEAST_CHANCE:
+        yield (
+            "measured and registered places are "
+            f"{np.sqrt(max(fit.misfit_ratio, 0.0)):.1f} times as far apart as the "
+            "stated noise lets expect"
+        )
+
+
+def _outside(evidence: Evidence) -> Iterator[str]:
+    if not evidence.sound:
+        yield "the model does not trust its own displacement under this load"
+    if not evidence.is_small:
+        yield from evidence.outside
+
+
+def _no_estimate(evidence: Evidence) -> Iterator[str]:
+    if evidence.bound_mm is None and evidence.likely_mm is None:
+        yield "there is neither a calibrated bound nor a physical estimate of the error"
+
+
+def _too_large(evidence: Evidence) -> Iterator[str]:
+    likely, bound = evidence.likely_mm, evidence.bound_mm
+    if likely is not None and not evidence.is_small:
+        yield (
+            f"the error seems to be {likely:.2g} mm (small is up to "
+            f"{evidence.wanted_mm:.2g} mm)"
+        )
+    if bound is not None and not bound <= max(evidence.largest_mm, SMALL_MM):
+        yield (
+            f"the bound on the error, {bound:.2g} mm, is larger than the displacement, "
+            f"{evidence.largest_mm:.2g} mm"
+        )
+
+
+Rule = Callable[[Evidence], Iterator[str]]
+
+# From what makes a displacement meaningless to what makes it merely uncertain.
+RULES: tuple[tuple[PredictionStatus, Rule], ...] = (
+    (PredictionStatus.TOO_FEW_POINTS, _too_few),
+    (PredictionStatus.MEASUREMENT_TOO_FAR, _too_far),
+    (PredictionStatus.MOVED_AS_A_WHOLE, _moved_as_a_whole),
+    (PredictionStatus.TOLERANCE_NOT_MET, _not_converged),
+    (PredictionStatus.MISFIT_ABOVE_NOISE, _misfit),
+    (PredictionStatus.IMPLAUSIBLE_DISPLACEMENT, _implausible),
+    (PredictionStatus.OUTSIDE_TRAINED_RANGE, _outside),
+    (PredictionStatus.NO_ERROR_ESTIMATE, _no_estimate),
+    (PredictionStatus.ERROR_TOO_LARGE, _too_large),
+)

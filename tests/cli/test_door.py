@@ -1,0 +1,273 @@
+"""Every way out of a command is one line and an exit code, by real processes."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil
+import pytest
+
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io import write_mesh
+
+MAIN = "from physgnn.cli import main; main()"
+WAIT = 120.0
+ENDED = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+LOADS = """
+[materials.brain]
+youngs_modulus_pa = 3000
+poissons_ratio = 0.4
+[materials.tumour]
+youngs_modulus_pa = 7500
+poissons_ratio = 0.4
+[loads]
+total_force_n = 0.02
+paths = 4000
+levels = 20
+nodes_per_path = 3
+"""
+
+
+class Started:
+    """A command in a process group of its own, as a terminal has it."""
+
+    def __init__(
+        self, tmp_path: Path, *arguments: object, program: str = MAIN, **environment
+    ) -> None:
+        self.temporary = tmp_path / "temporary"
+        self.temporary.mkdir()
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", program, *map(str, arguments)],
+            cwd=tmp_path,
+            env={**os.environ, "TMPDIR": str(self.temporary), **environment},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+
+    def until(self, reached: Callable[[], bool]) -> None:
+        """Wait for a moment of the run."""
+        end = time.monotonic() + WAIT
+        while not reached():
+            assert self.process.poll() is None, self.process.communicate()
+            assert time.monotonic() < end
+            time.sleep(0.005)
+
+    def end(self, number: int, *, everybody: bool = False) -> tuple[int, str]:
+        """Send a signal; return exit code and standard error, once all are gone."""
+        group = psutil.Process(self.process.pid).children(recursive=True)
+        if everybody:
+            os.killpg(self.process.pid, number)
+        else:
+            self.process.send_signal(number)
+        _, err = self.process.communicate(timeout=WAIT)
+        _, left = psutil.wait_procs(group, timeout=10)
+        assert not left
+        assert [*self.temporary.iterdir()] == []
+        return self.process.returncode, err
+
+
+def stub(tmp_path: Path, name: str, text: str) -> str:
+    """A module that stands in for another; returns what PYTHONPATH must be."""
+    folder = tmp_path / "stubs"
+    folder.mkdir()
+    (folder / f"{name}.py").write_text(textwrap.dedent(text))
+    return os.pathsep.join([str(folder), *sys.path])
+
+
+@pytest.mark.parametrize("number", ENDED)
+def test_a_signal_during_start_up(tmp_path: Path, number: int) -> None:
+    slow = stub(
+        tmp_path,
+        "typer",
+        """
+        import pathlib, time
+        pathlib.Path("here").touch()
+        time.sleep(60)
+        """,
+    )
+    started = Started(tmp_path, "--help", PYTHONPATH=slow)
+    started.until((tmp_path / "here").exists)
+    assert started.end(number) == (128 + number, f"physgnn: {ENDED[number]}\n")
+
+
+@pytest.mark.parametrize("number", ENDED)
+def test_a_signal_that_a_library_turns_into_an_error_of_its_own(
+    tmp_path: Path, number: int
+) -> None:
+    program = """
+import pathlib, sys, time, physgnn.cli.app as app
+def run():
+    try:
+        pathlib.Path("here").touch()
+        time.sleep(60)
+    except BaseException as error:
+        raise ImportError("multiarray failed to import") from error
+app.run = run
+from physgnn.cli import main
+main()
+"""
+    started = Started(tmp_path, program=program)
+    started.until((tmp_path / "here").exists)
+    assert started.end(number) == (128 + number, f"physgnn: {ENDED[number]}\n")
+
+
+@pytest.mark.parametrize("number", ENDED)
+def test_a_signal_in_a_destructor_is_not_lost(tmp_path: Path, number: int) -> None:
+    program = """
+import pathlib, time, physgnn.cli.app as app
+class Slow:
+    def __del__(self):
+        pathlib.Path("here").touch()
+        time.sleep(5)
+def run():
+    one = Slow()
+    del one
+    time.sleep(60)
+app.run = run
+from physgnn.cli import main
+main()
+"""
+    started = Started(tmp_path, program=program)
+    started.until((tmp_path / "here").exists)
+    assert started.end(number) == (128 + number, f"physgnn: {ENDED[number]}\n")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", ENDED)
+def test_a_signal_while_meshing_leaves_no_folder(tmp_path: Path, number: int) -> None:
+    out = tmp_path / "mesh.vtu"
+    started = Started(tmp_path, "mesh", "--mni152", "--target-points", 60000, "-o", out)
+    started.until(lambda: any(started.temporary.iterdir()))
+    code, err = started.end(number, everybody=True)
+    assert (code, err.splitlines()[-1]) == (128 + number, f"physgnn: {ENDED[number]}")
+    assert "Traceback" not in err
+    assert not out.exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", ENDED)
+def test_a_signal_while_solving(tmp_path: Path, block: TetMesh, number: int) -> None:
+    write_mesh(tmp_path / "case.vtu", block)
+    (tmp_path / "loads.toml").write_text(LOADS)
+    store = tmp_path / "loads.zarr"
+    options = ("--loads", "loads.toml", "--workers", 1, "-o", store)
+    started = Started(tmp_path, "simulate", "case.vtu", *options)
+    started.until(store.exists)
+    time.sleep(1)
+    code, err = started.end(number)
+    assert (code, err.splitlines()[-1]) == (128 + number, f"physgnn: {ENDED[number]}")
+    assert "Traceback" not in err
+
+
+def test_children_end_with_the_command(tmp_path: Path) -> None:
+    program = """
+import pathlib, subprocess, sys, time, physgnn.cli.app as app
+def run():
+    stubborn = "import signal, time; signal.signal(15, 1); print(); time.sleep(60)"
+    child = subprocess.Popen([sys.executable, "-c", stubborn], stdout=subprocess.PIPE)
+    child.stdout.readline()
+    pathlib.Path("here").touch()
+    time.sleep(60)
+app.run = run
+from physgnn.cli import main
+main()
+"""
+    started = Started(tmp_path, program=program)
+    started.until((tmp_path / "here").exists)
+    assert started.end(signal.SIGTERM) == (143, "physgnn: terminated\n")
+
+
+def test_an_error_of_ours_is_one_line_and_a_file(tmp_path: Path) -> None:
+    program = """
+import physgnn.cli.app as app
+def run():
+    raise KeyError("one\\ntwo")
+app.run = run
+from physgnn.cli import main
+main()
+"""
+    started = Started(tmp_path, "a b", program=program)
+    out, err = started.process.communicate(timeout=WAIT)
+    (report,) = started.temporary.iterdir()
+    assert (started.process.returncode, out) == (1, "")
+    assert err.count("\n") == 1
+    assert str(report) in err
+    assert "Traceback" not in err
+    text = report.read_text()
+    assert "Traceback" in text
+    assert "arguments: ['a b']" in text
+
+
+@pytest.mark.parametrize(
+    ("raises", "says"),
+    [
+        ("OSError(28, 'No space left on device', 'x.vtu')", "x.vtu"),
+        ("MemoryError('Unable to allocate 9 TiB')", "not enough memory"),
+        ("PermissionError(13, 'Permission denied', 'x')", "Permission denied: x"),
+    ],
+)
+def test_what_the_machine_refuses_is_one_line(
+    tmp_path: Path, raises: str, says: str
+) -> None:
+    program = f"""
+import physgnn.cli.app as app
+def run():
+    raise {raises}
+app.run = run
+from physgnn.cli import main
+main()
+"""
+    started = Started(tmp_path, program=program)
+    _, err = started.process.communicate(timeout=WAIT)
+    assert started.process.returncode == 2
+    assert says in err
+    assert err.count("\n") == 1
+
+
+def test_a_reader_that_leaves_is_no_news() -> None:
+    command = f"{sys.executable} -c '{MAIN}' --help | true; echo ${{PIPESTATUS[0]}}"
+    done = subprocess.run(
+        ["bash", "-c", command], capture_output=True, text=True, timeout=WAIT
+    )
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("frobnicate",), "No such command 'frobnicate' (see physgnn --help)"),
+        (("predict",), "Missing option '--load' (see physgnn predict --help)"),
+        (("predict", "--nonsense"), "No such option: --nonsense"),
+        (
+            ("simulate", "x", "--workers", "none", "-o", "y"),
+            "Input should be a valid integer",
+        ),
+        (("mesh", "-o", "y", "--quality-floor"), "requires an argument"),
+        (
+            ("simulate", "x", "-o", "y", "--preset", "no"),
+            "'no' is not one of 'paper-1'",
+        ),
+    ],
+)
+def test_wrong_arguments_are_one_line(
+    tmp_path: Path, arguments: tuple[str, ...], says: str
+) -> None:
+    started = Started(tmp_path, *arguments)
+    out, err = started.process.communicate(timeout=WAIT)
+    assert (started.process.returncode, out) == (2, "")
+    assert says in err
+    assert err.count("\n") == 1
+
+
+def test_help_goes_to_standard_output(tmp_path: Path) -> None:
+    started = Started(tmp_path)
+    out, err = started.process.communicate(timeout=WAIT)
+    assert (started.process.returncode, err) == (0, "")
+    assert "Commands:" in out

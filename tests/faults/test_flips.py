@@ -1,0 +1,51 @@
+"""One flipped bit in what a checksum covers is noticed, or changes nothing."""
+
+import contextlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from faults.file_formats import FORMATS, same
+from faults.file_mutants import flipped
+from physgnn.errors import InputError
+
+COMPRESSED = [name for name, form in FORMATS.items() if form.compressed]
+FLIPS = 300
+
+
+@pytest.mark.parametrize("name", COMPRESSED)
+def test_flips(name: str, tmp_path: Path) -> None:
+    form, path = FORMATS[name], tmp_path / name
+    form.make(path)
+    whole, right = path.read_bytes(), form.read(path)
+    bits = np.random.default_rng(3).integers(8 * len(whole), size=FLIPS)
+    noticed = 0
+    for bit in bits:
+        path.write_bytes(flipped(whole, int(bit)))
+        try:
+            assert same(form.read(path), right), f"bit {bit} changes the result"
+        except InputError:
+            noticed += 1
+    assert noticed > FLIPS / 2
+
+
+def test_flips_in_compressed_blocks_of_vtu(tmp_path: Path) -> None:
+    """Tags and headers have no checksum; the blocks of zlib have."""
+    form, path = FORMATS["moved.vtu"], tmp_path / "moved.vtu"
+    form.make(path)
+    whole, right = path.read_bytes(), form.read(path)
+    random = np.random.default_rng(4)
+    inside = [
+        (at, at + len(line.strip()))
+        for line in whole.splitlines()
+        if len(line.strip()) > 200 and b"<" not in line
+        for at in [whole.index(line.strip())]
+    ]
+    assert len(inside) >= 2
+    for _ in range(FLIPS):
+        start, end = inside[random.integers(len(inside))]
+        bit = int(random.integers(8 * (start + 32), 8 * end))
+        path.write_bytes(flipped(whole, bit))
+        with contextlib.suppress(InputError):
+            assert same(form.read(path), right), f"bit {bit} changes the result"

@@ -1,0 +1,115 @@
+"""Write every format to a disk that ends after so many bytes; print what came of it.
+
+    python full_disk.py FOLDER BYTES
+
+With BYTES 0 there is room for all. A process of its own, since the limit is the
+process's: writing beyond it is the error EFBIG, at the same place in the writers as a
+full disk's ENOSPC.
+"""
+
+import json
+import resource
+import signal
+import sys
+from pathlib import Path
+
+import nibabel as nib
+import numpy as np
+import SimpleITK as sitk
+from matplotlib.figure import Figure
+from safetensors import SafetensorError
+from safetensors.numpy import save_file
+
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io import write_load_case, write_mesh
+from physgnn.io.atomic import whole_file, write_whole
+from physgnn.io.medical.nifti import save_nifti
+from physgnn.io.medical.transforms import save_transform
+from physgnn.io.vtk.prediction_file import write_deformed
+from physgnn.io.vtk.vtu import write_prediction
+from physgnn.mechanics.loads.paths import LoadCase
+
+RNG = np.random.default_rng(0)
+
+
+def mesh_of_cubes() -> TetMesh:
+    sys.path.insert(0, str(Path(__file__).parents[1]))
+    from meshes import block_mesh
+
+    return block_mesh(12, jitter=0.15)
+
+
+MESH = mesh_of_cubes()
+SHIFT = RNG.normal(size=MESH.points.shape)
+IMAGE = nib.Nifti1Image(RNG.normal(size=(32, 32, 32)).astype(np.float32), np.eye(4))
+
+
+def transform(path: Path) -> None:
+    field = sitk.GetImageFromArray(RNG.normal(size=(20, 20, 20, 3)), isVector=True)
+    shift = sitk.DisplacementFieldTransform(field)
+    save_transform(path, shift, n_vectors=20**3)
+
+
+def picture(path: Path) -> None:
+    figure = Figure()
+    figure.subplots().imshow(RNG.normal(size=(200, 200)), interpolation="nearest")
+    with whole_file(path) as part:
+        figure.savefig(part)
+
+
+def weights(path: Path) -> None:
+    with whole_file(path, refused=(SafetensorError,)) as part:
+        save_file({"w": RNG.normal(size=9000)}, part)
+
+
+def arrays(path: Path) -> None:
+    with whole_file(path) as part:
+        np.savez(part, a=RNG.normal(size=9000))
+
+
+def torch_weights(path: Path) -> None:
+    import torch
+
+    with whole_file(path, refused=(RuntimeError,)) as part:
+        torch.save({"w": torch.zeros(9000, dtype=torch.float64)}, part)
+
+
+WRITERS = {
+    "mesh.vtu": lambda path: write_mesh(path, MESH),
+    "rest.vtu": lambda path: write_prediction(path, MESH, {"displacement_mm": SHIFT}),
+    "deformed.vtp": lambda path: write_deformed(path, MESH, SHIFT),
+    "deformed.vtu": lambda path: write_deformed(path, MESH, SHIFT),
+    "field.nii.gz": lambda path: save_nifti(path, IMAGE),
+    "field.nii": lambda path: save_nifti(path, IMAGE),
+    "transform.h5": transform,
+    "picture.png": picture,
+    "weights.safetensors": weights,
+    "weights.pt": torch_weights,
+    "arrays.npz": arrays,
+    "load.json": lambda path: write_load_case(
+        path, LoadCase(np.arange(2000), RNG.normal(size=(2000, 3)))
+    ),
+    "report.html": lambda path: write_whole(path, "<p>" * 30_000 + "</html>"),
+}
+
+
+def main(folder: Path, n_bytes: int) -> None:
+    if n_bytes:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
+        resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, hard))
+    results = {}
+    for name, write in WRITERS.items():
+        try:
+            write(folder / name)
+            results[name] = "written"
+        except InputError as error:
+            results[name] = str(error)
+        except Exception as error:
+            results[name] = f"escaped: {type(error).__name__}: {error}"
+    print(json.dumps(results))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), int(sys.argv[2]))
