@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from multiprocessing import active_children
 from typing import Any
 
 import numpy as np
@@ -108,19 +109,14 @@ def test_somebody_elses_path_is_left_alone(new_store: NewStore) -> None:
     assert solve_and_write(store, solver, 1) == ("already there", "")
 
 
-@pytest.mark.slow
 def test_two_processes_one_of_them_killed(new_store: NewStore) -> None:
-    """The scheduler gives a dead worker's paths to others; the answer is the same."""
+    """A dead worker's path goes to another; the displacement is the same."""
     store, whole = new_store("two", 24), new_store("one", 24)
     killed: list[int] = []
 
     def kill_one(*step: Any) -> None:
         if step[0] == 4:
-            from distributed import get_client
-
-            client = get_client()
-            pids = client.run(os.getpid)
-            killed.append(next(iter(pids.values())))
+            killed.append(active_children()[0].pid or 0)
             os.kill(killed[0], signal.SIGKILL)
 
     result = generate(store, workers=2, progress=kill_one)

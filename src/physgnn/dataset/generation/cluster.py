@@ -1,70 +1,60 @@
-"""Processes that solve: on this machine, or wherever a Dask scheduler has them."""
+"""Work on load paths wherever a Dask scheduler has workers.
 
-import logging
-import os
-from collections.abc import Iterator
+Whoever reaches a scheduler without TLS can run code as its workers' user:
+docs/howto/cluster.md says how to secure one.
+"""
+
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from physgnn.errors import InputError
 
 TIMEOUT_SECONDS = 10
-# Two workers of two threads on two cores take longer than two of one.
-ONE_THREAD = {
-    "OMP_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "NUMBA_NUM_THREADS": "1",
-}
-# Dask tells glibc to hand freed memory back at once. Every temporary array then costs
-# page faults: 426,000 a load path instead of 300, a sixth of the time.
-KEEP_MEMORY = {
-    "MALLOC_TRIM_THRESHOLD_": str(2**30),
-    "MALLOC_MMAP_THRESHOLD_": str(2**25),
-}
+Do = Callable[[int], tuple[str, str]]
+
+
+def spread(do: Do, paths: list[int], scheduler: str) -> Iterator[tuple[int, str, str]]:
+    """Do paths on a cluster and yield the results as they come.
+
+    Parameters
+    ----------
+    do : callable
+        From a path to how it ended and the error, empty if none. It can be pickled.
+    paths : list of int
+    scheduler : str
+        The address, ``tcp://…`` or ``tls://…``. Keys and certificates are those of
+        Dask's configuration.
+
+    Raises
+    ------
+    InputError
+        If the scheduler does not answer, and what `do` raises of this kind.
+    """
+    # half a second that a run on this machine need not spend
+    from distributed import as_completed
+
+    with _connected(scheduler) as client:
+        futures = client.map(do, paths, pure=False)
+        index = dict(zip((future.key for future in futures), paths, strict=True))
+        for future in as_completed(futures):
+            error = future.exception()  # of cluster or tool: a path's own are caught
+            if isinstance(error, InputError):  # the tool's, and so every path's
+                raise error
+            i = index[future.key]
+            yield (i, "error", str(error)) if error else (i, *future.result())
 
 
 @contextmanager
-def connect(workers: int, scheduler: str | None) -> Iterator[Any]:
-    """Connect to a scheduler, or start processes on this machine."""
-    # half a second that a run in one process need not spend
-    from distributed import Client, LocalCluster
+def _connected(scheduler: str) -> Iterator[Any]:
+    from distributed import Client
 
-    if scheduler is not None:
-        try:
-            client = Client(scheduler, timeout=TIMEOUT_SECONDS)
-        except (OSError, ValueError) as error:
-            raise InputError(
-                f"no Dask scheduler answers at {scheduler} ({error}); start one with "
-                "'dask scheduler'"
-            ) from error
-        with client:
-            yield client
-        return
-    with (
-        _environment(ONE_THREAD | KEEP_MEMORY),
-        LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address="127.0.0.1:0",  # any port: two runs must not collide
-            silence_logs=logging.CRITICAL,  # a lost path is solved again: no news
-        ) as cluster,
-        Client(cluster) as client,
-    ):
-        yield client
-
-
-@contextmanager
-def _environment(values: dict[str, str]) -> Iterator[None]:
-    """Set environment variables, which started processes inherit, for a while."""
-    before = {name: os.environ.get(name) for name in values}
-    os.environ.update(values)
     try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+        client = Client(scheduler, timeout=TIMEOUT_SECONDS)
+    except Exception as error:  # an address or a certificate can be wrong in many ways
+        raise InputError(
+            f"no Dask scheduler answers at {scheduler} ({error}); start one with "
+            "'dask scheduler'"
+        ) from error
+    with client:
+        yield client

@@ -4,13 +4,13 @@ Every process opens the store, prepares what the work needs once (a solver, say)
 does the paths it is given. A path whose worker dies goes to another one.
 """
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from threading import Lock
 from typing import Any
 
-from physgnn.dataset.generation import cluster
+from physgnn.dataset.generation import cluster, processes
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 
@@ -54,8 +54,8 @@ def each(
     workers : int
         Processes on this machine, each with one thread; 1 works in this process.
     scheduler : str, optional
-        Address of a Dask scheduler (``tcp://…``) whose workers see the store under the
-        same absolute path; `workers` is then ignored.
+        Address of a Dask scheduler (``tcp://…``, ``tls://…``) whose workers see the
+        store under the same absolute path; `workers` is then ignored.
 
     Raises
     ------
@@ -71,25 +71,11 @@ def each(
         tool = work.prepare(store)
         yield from ((i, *work.do(store, tool, i)) for i in paths)
         return
-    with cluster.connect(workers, scheduler) as client:
-        yield from _spread(client, work, store, paths)
-
-
-def _spread(
-    client: Any, work: Work, store: Store, paths: list[int]
-) -> Iterator[Result]:
-    # half a second that work in one process need not spend
-    from distributed import as_completed
-
     there = partial(_do, work, str(store.path.resolve()), store.definition_hash)
-    futures = client.map(there, paths, pure=False)
-    index = dict(zip((future.key for future in futures), paths, strict=True))
-    for future in as_completed(futures):
-        error = future.exception()  # of cluster or tool: a path's own are caught
-        if isinstance(error, InputError):  # the tool's, and so every path's
-            raise error
-        i = index[future.key]
-        yield (i, "error", str(error)) if error else (i, *future.result())
+    if scheduler is not None:
+        yield from cluster.spread(there, paths, scheduler)
+    else:
+        yield from processes.spread(there, paths, workers)
 
 
 def _do(work: Work, store_path: str, definition: str, i: int) -> tuple[str, str]:
@@ -104,7 +90,7 @@ def _equipment(work: Work, store_path: str, definition: str) -> tuple[Store, Any
 
     A worker may outlive the store, so what the store asks is part of the key.
     """
-    store = Store.open(store_path)
+    store = Store(store_path)
     if store.definition_hash != definition:
         raise InputError(f"store {store_path} is not the one the run was started with")
     return store, work.prepare(store)

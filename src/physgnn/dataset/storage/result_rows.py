@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from physgnn.io.digest import digest_of
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 
+Row = Mapping[str, Any]
 MESSAGE_BYTES = 256
-COVERED = ("displacement", "residual", "reached", "message", "status")
-OLD_COVERED = ("displacement", "status")
-"""What a path's digest covers, now and in stores of version 1."""
+CONTENT = ("displacement", "status")
+"""What a path's digest covers: the same whoever solved it."""
+SEALED = ("digest", "residual", "seconds", "reached", "message")
+"""What its seal covers, beside the store and the path's number."""
 
 
 def result_arrays(
@@ -30,6 +32,7 @@ def result_arrays(
         "reached": ((), "float64", np.nan),
         "message": ((MESSAGE_BYTES,), "uint8", 0),
         "digest": ((32,), "uint8", 0),
+        "seal": ((32,), "uint8", 0),
         "status": ((n_levels,), "int8", int(Status.NOT_SOLVED)),
     }
 
@@ -39,24 +42,27 @@ def path_identity(definition_hash: str, i: int) -> str:
     return f"{definition_hash} path {i}"
 
 
-def row_digest(row: Mapping[str, Any], identity: str | None) -> NDArray[np.uint8]:
-    """Return the SHA-256 of a path's rows, (32,) uint8; times do not count.
+def digest_row(row: Row) -> NDArray[np.uint8]:
+    """Return the SHA-256 of what was found for a path, (32,)."""
+    return _as_row(digest_of(*(row[name] for name in CONTENT)))
+
+
+def seal_row(row: Row, identity: str) -> NDArray[np.uint8]:
+    """Return the SHA-256 of all rows of a path and of its place, (32,).
+
+    Rows that changed places, or came from another store, do not have it.
 
     Parameters
     ----------
     row : mapping
-        The row of every array.
-    identity : str or None
-        See `path_identity`: rows that changed places are noticed by it. None for
-        stores made before there was one: they have the digest of displacement and
-        status alone.
+        The row of every array, the digest among them.
+    identity : str
+        See `path_identity`.
     """
-    parts = [row[name] for name in (OLD_COVERED if identity is None else COVERED)]
-    digest = digest_of(*parts) if identity is None else digest_of(identity, *parts)
-    return np.frombuffer(bytes.fromhex(digest), "u1")
+    return _as_row(digest_of(identity, *(row[name] for name in SEALED)))
 
 
-def encoded(solution: Solution, identity: str | None) -> dict[str, Any]:
+def encoded(solution: Solution, identity: str) -> Row:
     """Return a solution's row of every array, in the order of writing."""
     message = solution.message.encode()[:MESSAGE_BYTES]
     message = message.decode(errors="ignore").encode()  # no half character
@@ -70,5 +76,10 @@ def encoded(solution: Solution, identity: str | None) -> dict[str, Any]:
     }
     arrays = result_arrays(*solution.displacement.shape[:2])
     row = {k: np.asarray(v, dtype=arrays[k][1]) for k, v in values.items()}
-    row["digest"] = row_digest(row, identity)
+    row["digest"] = digest_row(row)
+    row["seal"] = seal_row(row, identity)
     return {name: row[name] for name in arrays}
+
+
+def _as_row(digest: str) -> NDArray[np.uint8]:
+    return np.frombuffer(bytes.fromhex(digest), "u1")

@@ -9,14 +9,16 @@ from numpy.typing import NDArray
 from physgnn.dataset.storage import layout
 from physgnn.dataset.storage.reader import StoreReader
 from physgnn.dataset.storage.result_rows import (
-    COVERED,
+    digest_row,
     encoded,
     path_identity,
     result_arrays,
-    row_digest,
+    seal_row,
 )
 from physgnn.errors import InputError
 from physgnn.mechanics.equilibrium.solution import Solution, Status
+
+LARGE = "displacement"
 
 
 class StoredResults:
@@ -35,6 +37,8 @@ class StoredResults:
     def __init__(self, reader: StoreReader, n_levels: int, cache_bytes: int) -> None:
         self._reader = reader
         self._arrays = result_arrays(n_levels, reader.attributes.n_points)
+        has_seals = reader.attributes.has_digests
+        self._names = [name for name in self._arrays if name != "seal" or has_seals]
         self._checked: set[int] = set()
         path_bytes = max(12 * n_levels * reader.attributes.n_points, 1)
         # All entries have the same size, so a bound on their number bounds the bytes.
@@ -50,8 +54,9 @@ class StoredResults:
     def write(self, i: int, solution: Solution) -> None:
         """Store the solution of path `i`; its status goes last."""
         self._checked.discard(i)
-        for name, row in encoded(solution, self._identity(i)).items():
-            self._reader.group[f"result/{name}"][i] = row  # type: ignore[index]
+        rows = encoded(solution, self._identity(i))
+        for name in self._names:
+            self._reader.group[f"result/{name}"][i] = rows[name]  # type: ignore[index]
 
     def is_pending(self, i: int) -> bool:
         """Return whether path `i` has no result."""
@@ -63,7 +68,7 @@ class StoredResults:
                 f"store {self._reader.path}: load path {i} has no result yet; run "
                 "'physgnn simulate' again to resume"
             )
-        values: NDArray[np.float32] = self.row("displacement", i)
+        values: NDArray[np.float32] = self.row(LARGE, i)
         if np.isnan(values).any():  # what Zarr gives for a chunk that is not there
             raise self._damaged(i, "chunk missing")
         if i not in self._checked:
@@ -73,17 +78,18 @@ class StoredResults:
 
     def _check(self, i: int, displacement: NDArray[np.float32]) -> None:
         """Raise InputError unless path `i`'s results are as they were written."""
-        row = {name: self.row(name, i) for name in COVERED if name != "displacement"}
-        digest = row_digest({**row, "displacement": displacement}, self._identity(i))
-        if not np.array_equal(digest, self.row("digest", i)):
+        row = {name: self.row(name, i) for name in self._names if name != LARGE}
+        row[LARGE] = displacement
+        expected = {"digest": digest_row(row)}
+        if "seal" in row:
+            expected["seal"] = seal_row(row, self._identity(i))
+        if not all(np.array_equal(row[name], expected[name]) for name in expected):
             raise self._damaged(i, "not as it was written: changed or exchanged")
         self._checked.add(i)
 
     def _damaged(self, i: int, reason: str) -> InputError:
-        name = "result/displacement"
+        name = f"result/{LARGE}"
         return InputError(layout.damaged(self._reader.group, name, i, reason))
 
-    def _identity(self, i: int) -> str | None:
-        """Return what path `i`'s digest begins with."""
-        said = self._reader.attributes
-        return path_identity(said.definition_hash, i) if said.has_digests else None
+    def _identity(self, i: int) -> str:
+        return path_identity(self._reader.attributes.definition_hash, i)

@@ -1,0 +1,127 @@
+"""Worker processes: deaths, errors, and no process or open port left behind."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+from multiprocessing import active_children
+from pathlib import Path
+
+import pytest
+
+from physgnn.dataset.generation.processes import MOST_DEATHS, spread
+from physgnn.errors import InputError
+
+ENDLESS = """
+import sys, time
+from physgnn.dataset.generation.processes import spread
+if __name__ == "__main__":
+    print("started", flush=True)
+    for _ in spread(time.sleep, [600, 600], 2):
+        pass
+"""
+
+
+def named(i: int) -> tuple[str, str]:
+    return f"path {i} by {os.environ['OMP_NUM_THREADS']} thread", ""
+
+
+def deadly(folder: Path, worst: int, i: int) -> tuple[str, str]:
+    """Path 1 kills its process the first `worst` times."""
+    tries = folder / f"{i}-{time.monotonic_ns()}"
+    tries.touch()
+    if i == 1 and len(list(folder.glob("1-*"))) <= worst:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return "done", ""
+
+
+def refuses(_: int) -> tuple[str, str]:
+    raise InputError("no solver here")
+
+
+def fails(_: int) -> tuple[str, str]:
+    raise RuntimeError("a bug")
+
+
+def test_every_path_is_done_once() -> None:
+    found = sorted(spread(named, list(range(7)), 2))
+    assert found == [(i, f"path {i} by 1 thread", "") for i in range(7)]
+    assert active_children() == []
+
+
+def test_a_path_whose_process_dies_is_done_by_another(tmp_path: Path) -> None:
+    do = partial(deadly, tmp_path, 1)
+    found = {i: ended for i, ended, _ in spread(do, [0, 1, 2], 2)}
+    assert found == {0: "done", 1: "done", 2: "done"}
+    assert len(list(tmp_path.glob("1-*"))) == 2
+
+
+def test_a_path_that_always_kills_is_given_up(tmp_path: Path) -> None:
+    do = partial(deadly, tmp_path, 99)
+    found = {i: error for i, _, error in spread(do, [0, 1, 2], 2)}
+    assert found == {0: "", 1: f"its process died {MOST_DEATHS} times", 2: ""}
+
+
+def test_errors_are_named() -> None:
+    with pytest.raises(InputError, match="no solver here"):
+        list(spread(refuses, [0, 1], 2))
+    assert active_children() == []
+    assert list(spread(fails, [4], 1)) == [(4, "error", "RuntimeError: a bug")]
+
+
+def test_left_early() -> None:
+    results = spread(named, list(range(100)), 2)
+    next(results)
+    results.close()  # type: ignore[attr-defined]
+    assert active_children() == []
+
+
+@pytest.mark.parametrize("end", ["SIGKILL", "SIGTERM", "SIGINT"])
+@pytest.mark.parametrize("wait", [0.0, 1.5], ids=["starting", "working"])
+def test_workers_end_with_their_parent(end: str, wait: float, tmp_path: Path) -> None:
+    """Whatever ends it, and while it starts: no process stays, none prints."""
+    script = tmp_path / "endless.py"
+    script.write_text(ENDLESS)
+    run = subprocess.Popen(
+        [sys.executable, str(script)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert run.stdout is not None
+    assert run.stdout.readline() == "started\n"
+    time.sleep(wait)
+    # Ctrl-C in a terminal reaches every process of the group
+    (os.killpg if end == "SIGINT" else os.kill)(run.pid, getattr(signal, end))
+    _, said = run.communicate(timeout=30)  # ends once the last holder of stderr has
+    assert said.count("Traceback") == (end == "SIGINT")  # the parent's own
+
+
+@pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="Linux tells the ports")
+def test_no_port_is_opened() -> None:
+    before = listening()
+    results = spread(named, list(range(20)), 2)
+    next(results)
+    assert listening() <= before
+    results.close()  # type: ignore[attr-defined]
+
+
+def listening() -> set[str]:
+    """Return the sockets on which processes that we started listen."""
+    inodes = {
+        line.split()[9]
+        for name in ("tcp", "tcp6")
+        for line in Path(f"/proc/net/{name}").read_text().splitlines()[1:]
+        if line.split()[3] == "0A"
+    }
+    ours = set()
+    for process in (os.getpid(), *(child.pid for child in active_children())):
+        for link in Path(f"/proc/{process}/fd").iterdir():
+            try:
+                ours.add(str(link.readlink()).removeprefix("socket:[").rstrip("]"))
+            except OSError:
+                continue
+    return inodes & ours
