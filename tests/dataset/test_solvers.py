@@ -9,6 +9,7 @@ import febio_stand_in
 from physgnn.dataset import Preset, Store, generate, verification_of
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.sampling import equal_levels
 from physgnn.mechanics.materials import NeoHookean
@@ -32,6 +33,28 @@ def test_febio(block: TetMesh, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert 0 < verification_of(store).largest_mm < 1e-4
     with pytest.raises(InputError, match="was begun with --solver febio: go on with"):
         simulate_mesh(block, PRESET, store.path)
+
+
+def test_febio_takes_gravity_but_no_fluid(
+    block: TetMesh, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    febio_stand_in.put_on_path(tmp_path / "bin", monkeypatch)
+
+    def sagging(level: float | None) -> Preset:
+        gravity = Gravity((0.0, 0.6, -0.8), 1040.0, level)
+        return Preset(
+            PRESET.materials, lambda *_: [LoadPath.of(equal_levels(2), gravity)]
+        )
+
+    store, did = simulate_mesh(
+        block, sagging(None), tmp_path / "f.zarr", solver="febio"
+    )
+    assert (did.solved, did.errors) == (1, {})
+    ours, _ = simulate_mesh(block, sagging(None), tmp_path / "o.zarr")
+    assert np.allclose(store.displacement(0), ours.displacement(0), rtol=1e-5)
+    with pytest.raises(InputError, match="gravity with a level of fluid"):
+        simulate_mesh(block, sagging(5.0), tmp_path / "g.zarr", solver="febio")
+    assert not (tmp_path / "g.zarr").exists()
 
 
 @pytest.mark.parametrize(

@@ -112,6 +112,27 @@ def test_an_exponent_that_the_curves_do_not_determine_is_reported() -> None:
     assert "where the search ends" in fit.notes[0]
 
 
+def test_a_bulk_modulus_too_small_is_reported() -> None:
+    curves = curves_of(NeoHookean(3000.0, 0.49), ("shear",))
+    fit = fit_law(curves, "mooney-rivlin", bulk=constant_bulk_modulus(1.0))
+    assert "Poisson's ratio is negative" in fit.notes[0]
+
+
+@pytest.mark.parametrize("law", ["neo-hookean", "mooney-rivlin", "ogden"])
+@pytest.mark.parametrize("size", [1e-2, 1e5])
+@pytest.mark.parametrize("stretch", [1.001, 3.0, 10.0])
+def test_odd_curves_are_fitted_or_refused(law, size, stretch) -> None:
+    """With no warning from NumPy, and no error but our own."""
+    amount = np.linspace(1.0, stretch, 5)
+    curve = StressCurve("tension", amount, size * (amount - 1))
+    try:
+        fit = fit_law([curve], law, bulk=bulk_modulus_by_ratio(0.49))
+    except InputError as error:
+        assert "\n" not in str(error)
+    else:
+        assert np.isfinite(fit.errors["tension"])
+
+
 @pytest.mark.parametrize(
     ("law", "terms", "message"),
     [

@@ -35,7 +35,10 @@ def test_relative_error() -> None:
         ("compression", [1, 1.1, 1.2, 1.3], [0, 1, 2, 3], "takes stretch ≤ 1"),
         ("shear", [0, -0.1, -0.2, -0.3], [0, 1, 2, 3], "amount of shear ≥ 0"),
         ("compression", [1, 0.9, 0.8, 0.7], [0, 1, 2, 3], "has the wrong sign"),
-        ("shear", [0, 0.1, 0.2, 0.3], [0, 0, 0, 0], "has the wrong sign"),
+        ("shear", [0, 0.1, 0.2, 0.3], [0, 0, 0, 0], r"must be in 1e-06…1e\+09 Pa"),
+        ("shear", [0, 0.1, 0.2, 0.3], [0, 1, 2, 1e300], r"1e\+300 Pa\): name its unit"),
+        ("tension", [1, 5, 10, 15], [0, 1, 2, 3], "got 15, .* stretch, not percent"),
+        ("compression", [1, 0.5, 0.2, 0.01], [0, -1, -2, -3], "got 0.01, and no test"),
     ],
 )
 def test_refusals(kind, amount, stress, message) -> None:

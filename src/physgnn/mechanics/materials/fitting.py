@@ -43,7 +43,7 @@ class Fit:
     errors : mapping of str to float
         Kind of curve → RMS error over RMS stress.
     notes : tuple of str
-        What the curves do not determine, a sentence each.
+        What the curves do not determine, and what is odd; a sentence each.
     """
 
     material: Material
@@ -88,7 +88,10 @@ def fit_law(
         )
     scale = _first_modulus(curves)
     exponents = _first_exponents(n_moduli) if family.has_exponents else [()]
-    ends = [_fit_from(curves, family, bulk, scale, (n_moduli, e)) for e in exponents]
+    with np.errstate(over="ignore", invalid="ignore"):  # steps too far are taken back
+        ends = [
+            _fit_from(curves, family, bulk, scale, (n_moduli, e)) for e in exponents
+        ]
     found = [end for end in ends if end is not None]
     if not found:
         raise InputError(f"law '{law}' cannot follow these curves: try another")
@@ -100,12 +103,17 @@ def fit_law(
     return Fit(
         material,
         {curve.kind: curve.relative_error(material) for curve in curves},
-        tuple(_notes(moduli, powers)),
+        tuple(_notes(material, moduli, powers)),
     )
 
 
-def _notes(moduli: FloatArray, powers: FloatArray) -> Iterator[str]:
+def _notes(material: Material, moduli: FloatArray, powers: FloatArray) -> Iterator[str]:
     """Yield what the fit left undetermined."""
+    if material.lam < 0:
+        yield (
+            "the bulk modulus is so small that Poisson's ratio is negative: "
+            "is it in Pa?"
+        )
     size = np.abs(powers)
     at_ends = (size > 0.99 * LARGEST_EXPONENT) | (size < 1.01 * SMALLEST_EXPONENT)
     if at_ends.any():
@@ -155,7 +163,7 @@ def _fit_from(
     scale: float,
     start: tuple[int, tuple[float, ...]],
 ) -> OptimizeResult | None:
-    """Return where least squares ends, or None if the law fails at the start."""
+    """Return where least squares ends, or None if the law fails on the way."""
     n, exponents = start
 
     def residual(x: FloatArray) -> FloatArray:
@@ -169,17 +177,18 @@ def _fit_from(
         return np.concatenate(misses)
 
     first = np.array([*np.full(n, (2 if exponents else 1) / n), *exponents])
-    if not np.isfinite(residual(first)).all():
+    try:
+        return least_squares(
+            residual,
+            first,
+            jac="3-point",
+            bounds=_bounds(n, exponents),
+            xtol=TOLERANCE,
+            ftol=TOLERANCE,
+            gtol=TOLERANCE,
+        )
+    except ValueError:  # the law has no stress at the start, or beside it
         return None
-    return least_squares(
-        residual,
-        first,
-        jac="3-point",
-        bounds=_bounds(n, exponents),
-        xtol=TOLERANCE,
-        ftol=TOLERANCE,
-        gtol=TOLERANCE,
-    )
 
 
 def _bounds(n_moduli: int, exponents: tuple[float, ...]) -> Bounds:

@@ -18,6 +18,8 @@ KINDS: Mapping[str, Callable[[Material, FloatArray], FloatArray]] = {
 }
 """Kind of test → stress of a law in it."""
 MIN_POINTS = 3  # of a curve, the rest state not counted
+LARGEST_STRETCH = 10.0  # and its inverse the smallest, and the largest amount of shear
+STRESS_PA = (1e-6, 1e9)  # the largest of a curve lies between, in any soft tissue
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +38,10 @@ class StressCurve:
     Raises
     ------
     InputError
-        If a number is not finite, a stretch is not positive or on the wrong side of
-        rest, the load does not grow from point to point, the stress has the wrong sign
-        on the whole, or fewer than three points are left beside rest.
+        If a number is not finite or not of soft tissue, a stretch is not positive or
+        on the wrong side of rest, the load does not grow from point to point, the
+        stress has the wrong sign on the whole, or fewer than three points are left
+        beside rest.
     """
 
     kind: str
@@ -66,6 +69,12 @@ class StressCurve:
                 f"{self.kind}: needs {MIN_POINTS} points or more beside the rest state "
                 f"(got {np.count_nonzero(self.strain)})"
             )
+        largest = np.abs(self.stress_pa).max()
+        if not STRESS_PA[0] < largest < STRESS_PA[1]:
+            raise InputError(
+                f"{self.kind}: the largest stress must be in {STRESS_PA[0]:g}…"
+                f"{STRESS_PA[1]:g} Pa (got {largest:g} Pa): name its unit, kPa or Pa"
+            )
         if not self.stress_pa @ self.strain > 0:
             raise InputError(
                 f"{self.kind}: the stress has the wrong sign: it is positive in "
@@ -77,6 +86,14 @@ class StressCurve:
         if self.kind != SHEAR and not (self.amount > 0).all():
             raise InputError(
                 f"{self.kind}: stretch must be > 0, 1 at rest (got {self.amount.min()})"
+            )
+        out_of_reach = self.amount > LARGEST_STRETCH
+        if self.kind != SHEAR:
+            out_of_reach |= self.amount < 1 / LARGEST_STRETCH
+        if out_of_reach.any():
+            raise InputError(
+                f"{self.kind}: got {self.amount[out_of_reach][0]:g}, and no test goes "
+                f"beyond a factor of {LARGEST_STRETCH:g}: give stretch, not percent"
             )
         growing = -self.strain if self.kind == COMPRESSION else self.strain
         if (growing < 0).any():
