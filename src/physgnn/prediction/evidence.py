@@ -33,7 +33,7 @@ LEAST_SPREAD_MM = 3.0  # across the line along which the points spread most
 FARTHEST_SURFACE_MM = 10.0
 # A surface that sinks evenly by less is believed; farther in, what the skull holds at
 # the rim of a craniotomy bends it.
-LARGEST_TRANSLATION_MM = 7.0
+LARGEST_TRANSLATION_MM = 7.5
 AS_WELL = 1.1  # squared misfit of a translation over that of the elastic body
 LEAST_CHANCE = 1e-3  # of so large a misfit, if noise alone were its cause
 
@@ -51,10 +51,11 @@ class Fit:
     distance_mm : float
         Median distance of a measured surface from the body's at rest; 0 for pairs.
     translation_mm : float
-        Length of the translation that meets the measurement best.
+        Length of the translation that meets the pairs best; 0 for a surface, which
+        tells little of how it slides.
     translation_misfit : float
         Squared misfit of that translation over that of the elastic body, each divided
-        by its degrees of freedom.
+        by its degrees of freedom; infinite for a surface.
     misfit_ratio : float
         Squared misfit over what the stated noise lets expect.
     chance : float

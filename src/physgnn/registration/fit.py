@@ -7,7 +7,7 @@ from physgnn.arrays import FloatArray
 from physgnn.geometry.measured import farthest_points
 from physgnn.prediction.evidence import SAME_PLACE_MM, Fit
 from physgnn.registration.gaussian import Posterior
-from physgnn.registration.measurement import Measurement
+from physgnn.registration.measurement import MeasuredPairs, Measurement
 
 # The stated noise may be too small by this factor before a misfit counts against it:
 # a tracker's noise is known no better.
@@ -16,7 +16,6 @@ NOISE_KNOWN_WITHIN = 1.5
 # noisier ones: their variance was up to 2.1 times that of all in simulated shifts
 # (benchmarks/registration_statuses.py).
 VARIANCE_BY_KIND = {"pairs": 1.0, "surface": 2.0}
-MAX_STEPS, SHORT_MM = 10, 0.01  # of the search for a translation
 
 
 def fit_of(
@@ -36,16 +35,20 @@ def fit_of(
     places = measurement.points[
         farthest_points(measurement.points, spacing=SAME_PLACE_MM)
     ]
-    translation, misfit = best_translation(measurement, len(displacement))
-    elastic = float((measurement.observe(displacement).missing ** 2).sum())
-    elastic /= max(posterior.freedom, 1.0)
+    missing = measurement.observe(displacement).missing
+    elastic = float((missing**2).sum()) / max(posterior.freedom, 1.0)
+    translation, misfit = (
+        best_translation(measurement.moved)
+        if isinstance(measurement, MeasuredPairs)
+        else (0.0, np.inf)
+    )
     allowed = NOISE_KNOWN_WITHIN**2 * VARIANCE_BY_KIND[measurement.kind]
     ratio = posterior.misfit_ratio
     return Fit(
         n_places=len(places),
         spread_mm=second_spread(places),
         distance_mm=measurement.distance_mm,
-        translation_mm=float(np.linalg.norm(translation)),
+        translation_mm=translation,
         translation_misfit=misfit / max(elastic, np.finfo(float).tiny),
         misfit_ratio=ratio,
         chance=float(chi2.sf(posterior.freedom * ratio / allowed, posterior.freedom)),
@@ -59,25 +62,11 @@ def second_spread(places: FloatArray) -> float:
     return float(sizes[1] / np.sqrt(len(places))) if len(sizes) > 1 else 0.0
 
 
-def best_translation(
-    measurement: Measurement, n_points: int
-) -> tuple[FloatArray, float]:
-    """Return the translation that meets a measurement best, and what it leaves.
+def best_translation(moved: FloatArray) -> tuple[float, float]:
+    """Return the length of the translation nearest to displacements, and its misfit.
 
-    Returns
-    -------
-    (3,) array
-        mm.
-    float
-        Sum of squares that is left, over its degrees of freedom, mm².
+    The misfit is the sum of squares that is left, over its degrees of freedom, mm².
     """
-    t = np.zeros(3)
-    for _ in range(MAX_STEPS):
-        seen = measurement.observe(np.tile(t, (n_points, 1)))
-        axes, missing = seen.axes.reshape(-1, 3), seen.missing.ravel()
-        step = np.linalg.lstsq(axes, missing, rcond=None)[0]
-        t = t + step
-        if np.linalg.norm(step) < SHORT_MM:
-            break
-    left = measurement.observe(np.tile(t, (n_points, 1))).missing
-    return t, float((left**2).sum()) / max(left.size - 3, 1)
+    mean = moved.mean(axis=0)
+    left = float(((moved - mean) ** 2).sum()) / max(moved.size - 3, 1)
+    return float(np.linalg.norm(mean)), left

@@ -84,15 +84,15 @@ class MeasuredPairs:
     kind = "pairs"
 
     def __init__(self, mesh: TetMesh, pairs: PointPairs) -> None:
-        self._moved, self.points = pairs.displacement, pairs.source
+        self.moved, self.points = pairs.displacement, pairs.source
         self._places = surface_interpolation(mesh, pairs.source)
         nearest = self._places @ mesh.points
         self.distance_mm = _median_distance(nearest, pairs.source)
-        self._axes = np.tile(np.eye(3), (len(self._moved), 1, 1))
+        self._axes = np.tile(np.eye(3), (len(self.moved), 1, 1))
 
     def observe(self, displacement: FloatArray) -> Observation:
         """Compare the displacement of each point with the measured one."""
-        missing = self._moved - self._places @ displacement
+        missing = self.moved - self._places @ displacement
         return Observation(self._places, self._axes, missing)
 
 
