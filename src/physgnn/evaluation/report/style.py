@@ -9,7 +9,7 @@ from matplotlib.colors import ListedColormap
 
 # Mid-tones that stand out on white and on near-black, and from each other for the
 # colour-blind (after Okabe & Ito, 2008).
-MODELS = {
+LABELS_AND_COLOURS = {
     "zero": ("Zero displacement", "#8b929c"),
     "linear": ("Linear solution", "#d9861a"),
     "level_interpolation": ("Level interpolation", "#a760bd"),
@@ -76,11 +76,15 @@ THEMES = (LIGHT, DARK)
 
 def label(name: str) -> str:
     """Return a predictor's name as people read it."""
-    return MODELS[name][0] if name in MODELS else name.replace("_", " ")
+    return (
+        LABELS_AND_COLOURS[name][0]
+        if name in LABELS_AND_COLOURS
+        else name.replace("_", " ")
+    )
 
 
 def colour(name: str) -> str:
     """Return a predictor's colour, the same in every figure."""
-    if name in MODELS:
-        return MODELS[name][1]
+    if name in LABELS_AND_COLOURS:
+        return LABELS_AND_COLOURS[name][1]
     return SPARE_COLOURS[sum(name.encode()) % len(SPARE_COLOURS)]
