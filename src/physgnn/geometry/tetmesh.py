@@ -113,7 +113,10 @@ class TetMesh:
         """Return a named point set; InputError names the sets there are."""
         if name not in self.point_sets:
             have = ", ".join(sorted(self.point_sets)) or "none"
-            raise InputError(f"the mesh has no point set '{name}' (it has: {have})")
+            raise InputError(
+                f"the mesh has no point set '{name}' (it has: {have}): name it by "
+                "'physgnn mesh --sets'"
+            )
         return self.point_sets[name]
 
     def with_point_sets(self, **point_sets: IntArray) -> "TetMesh":

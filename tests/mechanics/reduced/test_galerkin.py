@@ -67,6 +67,23 @@ def test_a_space_with_the_solution_in_it_finds_it(
     assert np.abs(u[block.point_set("fixed")]).max() < 1e-12
 
 
+def test_modes_that_are_zero_change_nothing(block: TetMesh, states: FloatArray) -> None:
+    """Few samples span few modes; K was singular in the others, and u stayed zero."""
+    elements = make_elements(block, MATERIALS)
+    own = block.point_set("loaded")[:5]
+    modes = states.copy()
+    modes[:, own] = 0.0
+    modes = orthonormal(modes)
+    padded = np.concatenate([modes, np.zeros((3, *modes.shape[1:]))])
+    few, more = (
+        GalerkinBody(elements, np.ones(block.n_cells), own, basis)
+        for basis in (modes, padded)
+    )
+    u, found = more.solve(top_force(block))
+    assert found.converged
+    np.testing.assert_array_equal(u, few.solve(top_force(block))[0])
+
+
 def test_stiffness_is_the_derivative_of_force_and_force_of_energy(
     block: TetMesh, states: FloatArray
 ) -> None:

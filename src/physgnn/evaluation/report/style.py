@@ -11,7 +11,7 @@ from physgnn.learning.models import method_name
 
 # Mid-tones that stand out on white and on near-black, and from each other for the
 # colour-blind (after Okabe & Ito, 2008).
-MODELS = {
+LABELS_AND_COLOURS = {
     "zero": ("Zero displacement", "#8b929c"),
     "linear": ("Linear solution", "#d9861a"),
     "interpolation": ("Level interpolation", "#a760bd"),
@@ -79,12 +79,13 @@ THEMES = (LIGHT, DARK)
 def label(name: str) -> str:
     """Return a predictor's name as people read it."""
     name = method_name(name)
-    return MODELS[name][0] if name in MODELS else name.replace("_", " ")
+    known = LABELS_AND_COLOURS.get(name)
+    return known[0] if known else name.replace("_", " ")
 
 
 def colour(name: str) -> str:
     """Return a predictor's colour, the same in every figure."""
     name = method_name(name)  # a report may be of an earlier version
-    if name in MODELS:
-        return MODELS[name][1]
+    if name in LABELS_AND_COLOURS:
+        return LABELS_AND_COLOURS[name][1]
     return SPARE_COLOURS[sum(name.encode()) % len(SPARE_COLOURS)]

@@ -97,7 +97,10 @@ def read_mesh(path: str | Path) -> TetMesh:
         raise InputError(f"{path}: no such file; make a mesh with 'physgnn mesh'")
     with path.open("rb") as file:
         if path.suffix != ".vtu" or b'type="UnstructuredGrid"' not in file.read(4096):
-            raise InputError(f"{path}: expected a VTU mesh, which it is not")
+            raise InputError(
+                f"{path}: expected an unstructured grid, .vtu (got another file): make "
+                "a mesh with 'physgnn mesh'"
+            )
     with reading(path, "a VTU mesh"):
         return mesh_of(read_vtk(path))
 

@@ -17,7 +17,7 @@ from physgnn.mechanics.reduced.energy_minimiser import Minimum, minimise
 
 
 class GalerkinBody:
-    """A body in a small space, as `energy_minimiser.minimise` takes it.
+    """A body in a small space; it is what `energy_minimiser.minimise` asks for.
 
     Parameters
     ----------
@@ -29,7 +29,8 @@ class GalerkinBody:
         Points that are unknowns themselves; none is fixed, and all have a cell with a
         weight.
     modes : (n_modes, n_points, 3) array
-        Zero at these points and the fixed ones.
+        Zero at these points and the fixed ones. Those that are zero everywhere, as
+        `leading_modes` fills up with, are left out: K would be singular.
     """
 
     def __init__(
@@ -39,6 +40,7 @@ class GalerkinBody:
         points: IntArray,
         modes: FloatArray,
     ) -> None:
+        modes = modes[modes.any(axis=(1, 2))]
         self._points, self._modes = points, modes
         used_cells = np.flatnonzero(weights)
         used = np.unique(elements.cells[used_cells])
