@@ -47,6 +47,7 @@ WORDS = {
     "float_type": "float",
     "string_type": "str",
     "bool_type": "bool",
+    "finite_number": "a finite number",
     "dict_type": "a table",
     "mapping_type": "a table",
     "model_type": "a table",
@@ -57,7 +58,9 @@ WORDS = {
 class ConfigTable(BaseModel):
     """A TOML table: its keys are known, its values are what they look like."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    model_config = ConfigDict(
+        extra="forbid", strict=True, frozen=True, allow_inf_nan=False
+    )
 
     @model_validator(mode="before")
     @classmethod

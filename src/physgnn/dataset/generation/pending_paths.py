@@ -127,9 +127,9 @@ def solve_and_write(store: Store, solver: CanSolve, i: int) -> tuple[str, str]:
         return ALREADY_THERE, ""
     try:
         solution = solver.solve(store.load_path(i))
-        store.write(i, solution)
     except Exception as error:  # whatever it was, the other paths can be solved
         return "error", f"{type(error).__name__}: {error}"
+    store.write(i, solution)
     return solution.message or "converged", ""
 
 

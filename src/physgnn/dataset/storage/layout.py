@@ -108,6 +108,31 @@ def read_rows(
         return np.asarray(array[...] if row is None else array[row])
 
 
+def write_row(group: zarr.Group, name: str, row: int, value: Any) -> None:
+    """Write a row of an array, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the disk does not take it: no row after it will fit either.
+    """
+    with writing(group):
+        group[name][row] = value  # type: ignore[index]
+
+
+@contextmanager
+def writing(group: zarr.Group) -> Iterator[None]:
+    """Turn what the disk refuses into one line that says how to go on."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"store {store_path(group)} cannot be written ({error.strerror or error}): "
+            "make room, or see who may write there, and run the same command again: "
+            "it goes on from here"
+        ) from error
+
+
 def names_in(group: zarr.Group, folder: str) -> list[str]:
     """Return the names of the arrays of a group; one that is not there has none."""
     with _reading(group, folder):
