@@ -133,7 +133,7 @@ def differences(store: Store, expected: Store) -> list[str]:
 def kill_demo(count: int, seed: int, folder: Path) -> Outcome:
     """Kill the demonstration so many times, then let it end."""
     out = folder / "demo"
-    command = [*PHYSGNN, "demo", "-o", str(out), "--size", "tiny"]
+    command = [*PHYSGNN, "demo", str(out)]
     kills = killed_until_done(command, random.Random(seed), count, 60.0)
     faults = () if (out / "report.html").is_file() else (f"{out}: no report.html",)
     return Outcome(kills, faults)

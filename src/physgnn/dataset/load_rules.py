@@ -1,4 +1,4 @@
-"""Loads beside nodal forces, told in words that fit any mesh, and put on one.
+"""Loads beside nodal forces, described so that they fit any mesh, and put on one.
 
 A rule is a frozen dataclass with a method ``on``; `Gravity` needs none, it fits as it
 is.
@@ -35,7 +35,7 @@ class PressureOn:
     points : str
         The point set.
     pressure_pa : float
-        Positive pushes into the body.
+        A positive pressure acts into the body.
     """
 
     points: str

@@ -72,12 +72,12 @@ def import_results(
     store : path
         A folder that does not exist yet.
     materials : mapping of region to Material
-        For sources that do not tell theirs.
+        For sources that do not name theirs.
     element : str
         As in `physgnn.mechanics.SolverOptions`: what repairs and error bounds of
         networks trained on the results compute with.
     progress : callable, optional
-        Told the load paths done, in all, and where the last came from.
+        Called with the load paths done, in all, and where the last came from.
 
     Raises
     ------

@@ -90,7 +90,7 @@ class _Worker:
         far_end.close()
 
     def give(self, path: int) -> None:
-        """Hand over a path; one that has just died is noticed when it is asked."""
+        """Hand over a path; `take` notices if the process has died."""
         self.path = path
         try:
             self.pipe.send(path)
