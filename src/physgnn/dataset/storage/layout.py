@@ -17,7 +17,8 @@ from physgnn.errors import InputError
 
 # Measured on FEBio's displacements of 30 levels (3.40 MB a path raw): 2.72 MB, 3.5 ms
 # to read, 32 ms to write; bit shuffle, lz4 and lower levels are all larger and none
-# reads faster by more than a millisecond. The checksum comes last, so it covers what is on disk.
+# reads faster by more than a millisecond. The checksum comes last, so it covers what is
+# on disk.
 CODECS = (
     BloscCodec(cname="zstd", clevel=5, shuffle="shuffle", typesize=4),
     Crc32cCodec(),
