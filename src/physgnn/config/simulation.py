@@ -58,6 +58,7 @@ from physgnn.dataset.load_rules import (
     Paths,
     PressureOn,
     Shift,
+    bounded,
     with_more,
     without_forces,
 )
@@ -117,15 +118,19 @@ class LoadsTable(ConfigTable):
             else rule
             for rule in self.more
         ]
-        if not self.has_forces:
-            return partial(without_forces, n_levels=self.levels, more=more)
-        forces = partial(
+        forces: Paths = partial(
             cone_paths,
             n_paths=self.paths,
             n_levels=self.levels,
             **self.model_dump(exclude={"paths", "levels", "more"}),
         )
-        return partial(with_more, paths=forces, more=more) if more else forces
+        n_paths, paths = self.paths, forces
+        if not self.has_forces:
+            n_paths = 1
+            paths = partial(without_forces, n_levels=self.levels, more=more)
+        elif more:
+            paths = partial(with_more, paths=forces, more=more)
+        return partial(bounded, paths=paths, n_paths=n_paths, n_levels=self.levels)
 
 
 class SimulationTable(ConfigTable):

@@ -47,6 +47,7 @@ WORDS = {
     "float_type": "float",
     "string_type": "str",
     "bool_type": "bool",
+    "finite_number": "a finite number",
     "dict_type": "a table",
     "mapping_type": "a table",
     "model_type": "a table",
@@ -57,7 +58,9 @@ WORDS = {
 class ConfigTable(BaseModel):
     """A TOML table: its keys are known, its values are what they look like."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    model_config = ConfigDict(
+        extra="forbid", strict=True, frozen=True, allow_inf_nan=False
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -69,8 +72,8 @@ class ConfigTable(BaseModel):
                     f", did you mean '{word}'?"
                     for word in get_close_matches(key, known, 1)
                 )
-                told = {"key": key, "near": near, "known": ", ".join(known)}
-                raise PydanticCustomError("unknown_key", "{key}", told)
+                words = {"key": key, "near": near, "known": ", ".join(known)}
+                raise PydanticCustomError("unknown_key", "{key}", words)
         return table
 
 
@@ -154,10 +157,10 @@ def variants(
         for name, cls in rows.items()
     ]
     needs = f"needs {key} = one of {', '.join(rows)}"
-    told = Discriminator(
+    by_key = Discriminator(
         chosen, custom_error_type="variant", custom_error_message=needs
     )
-    return Annotated[Union[tuple(kinds)], told]  # noqa: UP007
+    return Annotated[Union[tuple(kinds)], by_key]  # noqa: UP007
 
 
 def _model(
@@ -183,7 +186,7 @@ def _maker(cls: type[T]) -> Callable[[BaseModel], T]:
 
 
 def _numbers(hint: Any) -> Any:
-    """Return a type whose mistakes are told of the list, not of its items."""
+    """Return a type whose mistakes are reported of the list, not of its items."""
     kinds = get_args(hint)
     if get_origin(hint) is not tuple or {*kinds} - {float, ...}:
         return hint
@@ -218,8 +221,8 @@ def _line(error: ErrorDetails, file: str, at: Place) -> str:
     of_value = f"{key} in {inside}" if key and isinstance(loc[-1], str) else here
     match error["type"]:
         case "unknown_key":
-            told = f"unknown key '{ctx['key']}' in {here}{ctx['near']}"
-            return f"{told} (its keys: {ctx['known']})"
+            unknown = f"unknown key '{ctx['key']}' in {here}{ctx['near']}"
+            return f"{unknown} (its keys: {ctx['known']})"
         case "missing":
             return f"{inside} needs the key '{key}'"
         case "lacks_key":

@@ -1,4 +1,4 @@
-"""Loads beside nodal forces, told in words that fit any mesh, and put on one.
+"""Loads beside nodal forces, described so that they fit any mesh, and put on one.
 
 A rule is a frozen dataclass with a method ``on``; `Gravity` needs none, it fits as it
 is.
@@ -12,6 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from physgnn.arrays import IntArray
+from physgnn.dataset.size_bound import check_dataset_size
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.tetmesh import TetMesh
@@ -34,7 +35,7 @@ class PressureOn:
     points : str
         The point set.
     pressure_pa : float
-        Positive pushes into the body.
+        A positive pressure acts into the body.
     """
 
     points: str
@@ -120,6 +121,20 @@ MORE_LOADS: Mapping[str, type[LoadRule]] = {
 def loads_on(mesh: TetMesh, rules: Sequence[LoadRule]) -> tuple[Load, ...]:
     """Put loads on a mesh; InputError if one does not fit it."""
     return tuple(r if isinstance(r, Gravity) else r.on(mesh) for r in rules)
+
+
+def bounded(
+    mesh: TetMesh, loaded: IntArray, *, paths: Paths, n_paths: int, n_levels: int
+) -> list[LoadPath]:
+    """Return load paths once their dataset is known to have a size that can be meant.
+
+    Raises
+    ------
+    InputError
+        If it is too large, see `physgnn.dataset.size_bound`.
+    """
+    check_dataset_size(n_paths, n_levels, mesh.n_points)
+    return paths(mesh, loaded)
 
 
 def with_more(

@@ -1,4 +1,4 @@
-"""What to simulate on a mesh, and ready-made answers to that."""
+"""What to simulate on a mesh, and presets of it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -123,7 +123,7 @@ PRESETS: Mapping[str, Preset] = {
 }
 """The published datasets, the demonstration, and synthetic patients.
 
-The demonstration's pushes give 5 to 30 mm at the most displaced point; every level
+The demonstration's patch loads give 5 to 30 mm at the most displaced point; every level
 converges.
 """
 

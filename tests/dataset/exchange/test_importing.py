@@ -120,7 +120,7 @@ def test_what_does_not_fit_leaves_no_store(
     for sources, message in (
         (["a.txt"], "expected .feb, .npz, a folder of .vtu files (got '.txt')"),
         (["no.npz"], "no.npz: no such file"),
-        (["a.feb"], "a-displacement.log: cannot be read"),
+        (["a.feb"], "a-displacement.log: no such file"),
         (["few.feb"], 'needs <node_data data="ux;uy;uz"'),
         (["whole", "held.npz"], "held.npz, load path 0: holds other points than"),
         (["whole", "a.feb"], "a.feb: has other materials than"),
@@ -197,3 +197,62 @@ def test_febio_with_loads_that_are_no_forces(block: TetMesh, tmp_path: Path) -> 
     theirs, ours = imported.displacement(0), made.displacement(0)
     assert np.abs(ours).max() > 0.2
     assert np.allclose(theirs, ours, rtol=1e-5, atol=1e-7)
+
+
+def changed(solved: Store, tmp_path: Path, **arrays: object) -> Path:
+    """Export a store as arrays, some of them others."""
+    export_arrays(solved.path, tmp_path / "a.npz")
+    with np.load(tmp_path / "a.npz") as file:
+        np.savez(tmp_path / "b.npz", **{**file, **arrays})
+    return tmp_path / "b.npz"
+
+
+def test_fixed_points_that_move(solved: Store, tmp_path: Path) -> None:
+    """Positions in place of displacements, and a rigid motion on top of them."""
+    found = np.stack([solved.displacement(i) for i in range(3)]).astype(np.float64)
+    for wrong in (found + solved.mesh.points, found + 0.02):
+        source = changed(solved, tmp_path, displacement=wrong)
+        with pytest.raises(InputError, match="fixed points must not move"):
+            import_results([source], tmp_path / "c.zarr", materials=solved.materials)
+    assert sorted(p.name for p in tmp_path.glob("*c.zarr*")) == []
+    source = changed(solved, tmp_path, displacement=found + 0.005)
+    import_results([source], tmp_path / "c.zarr", materials=solved.materials)
+
+
+def test_a_mesh_in_metres(solved: Store, tmp_path: Path) -> None:
+    source = changed(solved, tmp_path, points=solved.mesh.points / 1000.0)
+    with pytest.raises(InputError, match=r"must be in mm .*looks like metres"):
+        import_results([source], tmp_path / "c.zarr", materials=solved.materials)
+
+
+@pytest.mark.parametrize("name", ["cells", "fixed", "load_nodes", "region"])
+def test_arrays_of_indices_that_are_none(
+    solved: Store, tmp_path: Path, name: str
+) -> None:
+    export_arrays(solved.path, tmp_path / "a.npz")
+    good = np.load(tmp_path / "a.npz")[name]
+    for wrong in (good + 0.5, good + np.int64(2**32), np.where(good > 0, np.nan, good)):
+        source = changed(solved, tmp_path, **{name: wrong})
+        with pytest.raises(InputError, match=name):
+            import_results([source], tmp_path / "c.zarr", materials=solved.materials)
+
+
+@pytest.mark.parametrize("name", ["points", "displacement", "load_vectors"])
+def test_complex_numbers(solved: Store, tmp_path: Path, name: str) -> None:
+    export_arrays(solved.path, tmp_path / "a.npz")
+    wrong = np.load(tmp_path / "a.npz")[name] + 1j
+    source = changed(solved, tmp_path, **{name: wrong})
+    with pytest.raises(InputError, match=name):
+        import_results([source], tmp_path / "c.zarr", materials=solved.materials)
+
+
+def test_a_point_that_no_cell_uses(solved: Store, tmp_path: Path) -> None:
+    found = np.stack([solved.displacement(i) for i in range(3)]).astype(np.float64)
+    source = changed(
+        solved,
+        tmp_path,
+        points=np.vstack([solved.mesh.points, [[9.0, 9.0, 99.0]]]),
+        displacement=np.concatenate([found, np.zeros((*found.shape[:2], 1, 3))], 2),
+    )
+    with pytest.raises(InputError, match="every point must belong to a cell"):
+        import_results([source], tmp_path / "c.zarr", materials=solved.materials)

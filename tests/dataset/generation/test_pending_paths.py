@@ -137,3 +137,31 @@ def test_no_scheduler(new_store: NewStore, monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr("physgnn.dataset.generation.cluster.TIMEOUT_SECONDS", 0.5)
     with pytest.raises(InputError, match="no Dask scheduler answers at tcp://"):
         generate(new_store(), scheduler="tcp://127.0.0.1:9")
+
+
+LITTLE_ROOM = """
+import resource, sys
+from physgnn.dataset import Store, generate
+from physgnn.errors import InputError
+store = Store.open(sys.argv[1])
+generate(store, progress=lambda done, *_: done == 2 and resource.setrlimit(
+    resource.RLIMIT_FSIZE, (1000, 1000)))
+"""
+
+
+def test_a_full_disk_stops_the_run(new_store: NewStore) -> None:
+    """What is done stays, nothing is half-written, and the next run goes on."""
+    store, whole = new_store(), new_store("whole")
+    run = subprocess.run(
+        [sys.executable, "-c", LITTLE_ROOM, str(store.path)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    said = run.stderr.splitlines()[-1]
+    assert "InputError: store" in said
+    assert "run the same command again: it goes on from here" in said
+    assert store.pending().tolist() == [2, 3, 4]
+    generate(store)
+    generate(whole)
+    assert store.content_hash() == whole.content_hash()

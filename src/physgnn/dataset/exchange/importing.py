@@ -11,6 +11,7 @@ import numpy as np
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
+from physgnn.geometry.plausibility import check_millimetres
 from physgnn.io.array_files import read_arrays
 from physgnn.io.atomic import whole_folder
 from physgnn.io.febio.model_reader import read_febio_results
@@ -25,6 +26,8 @@ from physgnn.progress import Progress
 Reader = Callable[[Path], list[Simulation]]
 
 FOLDER = "a folder"
+# How far other solvers' held points may be off, mm: penalties hold them nearly.
+MOST_OF_FIXED_MM = 0.01
 READERS: Mapping[str, Reader] = {
     ".feb": read_febio_results,
     ".npz": read_arrays,
@@ -69,12 +72,12 @@ def import_results(
     store : path
         A folder that does not exist yet.
     materials : mapping of region to Material
-        For sources that do not tell theirs.
+        For sources that do not name theirs.
     element : str
         As in `physgnn.mechanics.SolverOptions`: what repairs and error bounds of
         networks trained on the results compute with.
     progress : callable, optional
-        Told the load paths done, in all, and where the last came from.
+        Called with the load paths done, in all, and where the last came from.
 
     Raises
     ------
@@ -88,6 +91,7 @@ def import_results(
     if not found:
         raise InputError("nothing to import: name one source or more")
     longest = max((s.load_path.load_factors for s in found), key=len)
+    check_millimetres(found[0].mesh.points, found[0].source)
     for simulation in found:
         _check_same(simulation, found[0], longest)
     with whole_folder(target) as part:
@@ -105,7 +109,9 @@ def import_results(
             },
         )
         for i, simulation in enumerate(found):
-            made.write(i, _extended(simulation.read_solution(), longest))
+            solution = simulation.read_solution()
+            _check_fixed(simulation, solution)
+            made.write(i, _extended(solution, longest))
             if progress:
                 progress(i + 1, len(found), simulation.source)
     return Store.open(target)
@@ -144,6 +150,17 @@ def _check_same(
         Loading(first.mesh, simulation.load_path, first.fixed)
     except InputError as error:
         raise InputError(f"{simulation.source}: {error}") from error
+
+
+def _check_fixed(simulation: Simulation, solution: Solution) -> None:
+    """Raise InputError if points move that are held."""
+    moved = np.abs(solution.displacement[:, simulation.fixed]).max(initial=0.0)
+    if moved > MOST_OF_FIXED_MM:
+        raise InputError(
+            f"{simulation.source}: its fixed points must not move (they do, by up to "
+            f"{moved:.3g} mm): give displacements from the mesh at rest, not "
+            "positions, and as fixed the points that the solver held"
+        )
 
 
 def _extended(solution: Solution, longest: np.ndarray[Any, Any]) -> Solution:

@@ -64,7 +64,7 @@ def generate(
     workers, scheduler
         See `physgnn.dataset.generation.work.each`.
     progress : callable, optional
-        Told the paths done, the paths in all, and how the last one ended.
+        Called with the paths done, the paths in all, and how the last one ended.
 
     Returns
     -------
@@ -96,11 +96,11 @@ SOLVERS: Mapping[str, Callable[[Store], CanSolve]] = {
     DEFAULT_SOLVER: _own_solver,
     choices.SolverName.FEBIO: _febio_solver,
 }
-"""The store's provenance names one."""
+"""Solvers by the name that a store's provenance has."""
 
 
 def check_febio(element: str, paths: Sequence[LoadPath]) -> None:
-    """Raise InputError if a FEBio model as we write it could not ask the same."""
+    """Raise InputError if our FEBio models cannot describe this problem."""
     if element != DEFAULT_ELEMENT:
         raise InputError(
             f"for FEBio we write element '{DEFAULT_ELEMENT}': leave element out, or "
@@ -122,14 +122,22 @@ def solver_of(store: Store) -> CanSolve:
 
 
 def solve_and_write(store: Store, solver: CanSolve, i: int) -> tuple[str, str]:
-    """Solve path `i` and write it, unless somebody has."""
+    """Solve path `i` and write it, unless another process has.
+
+    Returns how it ended, and the error of the solver, empty if there was none.
+
+    Raises
+    ------
+    InputError
+        If the disk does not take the solution.
+    """
     if not store.is_pending(i):
         return ALREADY_THERE, ""
     try:
         solution = solver.solve(store.load_path(i))
-        store.write(i, solution)
     except Exception as error:  # whatever it was, the other paths can be solved
         return "error", f"{type(error).__name__}: {error}"
+    store.write(i, solution)
     return solution.message or "converged", ""
 
 

@@ -10,7 +10,7 @@ import threading
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from multiprocessing import connection, get_context, parent_process
+from multiprocessing import connection, get_context, parent_process, resource_tracker
 from typing import Any
 
 from physgnn.errors import InputError
@@ -85,12 +85,12 @@ class _Worker:
         context = get_context("spawn")
         self.pipe, far_end = context.Pipe()
         self._process = context.Process(target=_serve, args=(do, far_end), daemon=True)
-        with _environment(ONE_THREAD | KEEP_MEMORY), _no_interrupts():
+        with _environment(ONE_THREAD | KEEP_MEMORY), _undisturbed():
             self._process.start()
         far_end.close()
 
     def give(self, path: int) -> None:
-        """Hand over a path; one that has just died is noticed when it is asked."""
+        """Hand over a path; `take` notices if the process has died."""
         self.path = path
         try:
             self.pipe.send(path)
@@ -140,12 +140,38 @@ def _end_with_parent() -> None:
 
 
 @contextmanager
-def _no_interrupts() -> Iterator[None]:
-    """Start processes that Ctrl-C does not reach: it is for the parent to end them."""
+def _undisturbed() -> Iterator[None]:
+    """Start a process as a whole, and one that Ctrl-C does not reach.
+
+    In a terminal Ctrl-C is for all processes of the command, and it is for the parent
+    to end the others. A process inherits which signals are blocked. A signal that comes
+    meanwhile is handled afterwards: in between, the process would wait for the rest of
+    what it is to do.
+    """
+    came: list[int] = []
+    is_main = threading.current_thread() is threading.main_thread()
+    handlers = {
+        number: signal.signal(number, lambda it, _: came.append(it))
+        for number in (signal.SIGINT, signal.SIGTERM)
+        if is_main  # other threads are not interrupted
+    }
+    try:
+        with _blocked(signal.SIGINT):
+            yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+        for late in came:
+            signal.raise_signal(late)
+
+
+@contextmanager
+def _blocked(number: signal.Signals) -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    resource_tracker.ensure_running()  # its own start would unblock the signal
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {number})
     try:
         yield
     finally:

@@ -1,8 +1,8 @@
 """Check a sample of the converged levels of a store against full Newton.
 
 One level of every fifth load path, drawn by a seed, is solved again by Newton's method
-in double precision from where it is, and the largest distance any point moves is kept
-in the store, under ``verification``. It is no part of the store's hashes.
+in double precision from where it is, and the largest distance any point moves is
+stored under ``verification``. It is no part of the store's content hash.
 """
 
 from contextlib import closing
@@ -70,11 +70,12 @@ def verify(
     Parameters
     ----------
     store : Store
-        The distances are kept in it.
+        The distances are stored in it.
     workers, scheduler
         See `physgnn.dataset.generation.work.each`.
     progress : callable, optional
-        Told the levels done, the levels to do, and how far off the last one was.
+        Called with the levels done, the levels to do, and how far off the last one
+        was.
 
     Returns
     -------
@@ -96,7 +97,7 @@ def verify(
 
 
 def verification_of(store: Store) -> Verification:
-    """Return what is known of a store; nothing is computed."""
+    """Return what a store says of the levels checked so far; nothing is computed."""
     samples, distance_mm = read_rows(store.reader)
     return Verification(samples, distance_mm, len(store.samples()))
 

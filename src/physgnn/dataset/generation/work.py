@@ -88,7 +88,7 @@ def _do(work: Work, store_path: str, definition: str, i: int) -> tuple[str, str]
 def _equipment(work: Work, store_path: str, definition: str) -> tuple[Store, Any]:
     """Return a worker's store and tool, made when it first needs them.
 
-    A worker may outlive the store, so what the store asks is part of the key.
+    A worker may outlive the store, so its definition is part of the key.
     """
     store = Store(store_path)
     if store.definition_hash != definition:

@@ -1,4 +1,4 @@
-"""What a dataset asks: mesh, element, materials, fixed points, load paths; on disk."""
+"""What a dataset is to solve: mesh, element, materials, fixed points, load paths."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ from physgnn.mechanics.materials.table import material_to_config
 
 @dataclass(frozen=True, eq=False)
 class Definition:
-    """All that is asked, complete and consistent.
+    """The problems that a dataset holds, complete and consistent.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Definition:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of what is asked: two stores that ask the same share it."""
+        """SHA-256 of the definition: stores of the same problems have the same."""
         nodes, forces = _padded(self.paths)
         loads, of_path = distinct(self.paths)
         beyond: list[Any] = [self.element, of_path, *loads]

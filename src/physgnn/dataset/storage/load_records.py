@@ -1,8 +1,8 @@
-"""Loads beside nodal forces, as a store keeps them.
+"""Loads beside nodal forces, as they are stored.
 
 A load is a record, what JSON can hold, and arrays. Paths often share a load (a whole
-dataset under the same gravity), so every load is kept once, and every path names its
-own by number.
+dataset under the same gravity), so every load is stored once, and every path
+names its own by number.
 """
 
 from collections.abc import Mapping, Sequence

@@ -52,11 +52,17 @@ class StoredResults:
         return self._reader.rows(f"result/{name}", i, shape=shape, dtype=dtype)
 
     def write(self, i: int, solution: Solution) -> None:
-        """Store the solution of path `i`; its status goes last."""
+        """Store the solution of path `i`; its status goes last.
+
+        Raises
+        ------
+        InputError
+            If the disk does not take it. The path is then pending.
+        """
         self._checked.discard(i)
         rows = encoded(solution, self._identity(i))
         for name in self._names:
-            self._reader.group[f"result/{name}"][i] = rows[name]  # type: ignore[index]
+            layout.write_row(self._reader.group, f"result/{name}", i, rows[name])
 
     def is_pending(self, i: int) -> bool:
         """Return whether path `i` has no result."""

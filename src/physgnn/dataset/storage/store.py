@@ -111,9 +111,9 @@ class Store:
         target = Path(path)
         if target.exists():
             raise InputError(f"{target} exists already: open it, or name another")
-        asked = Definition(mesh, paths, materials, fixed, element)
+        definition = Definition(mesh, paths, materials, fixed, element)
         with whole_folder(target) as part:
-            asked.write(part, provenance)
+            definition.write(part, provenance)
         return cls(target)
 
     @classmethod
@@ -126,14 +126,14 @@ class Store:
         provenance: Mapping[str, Any],
         **body: Any,
     ) -> Self:
-        """Open the store if there is one that asks just this, or make it.
+        """Open the store if there is one of just these problems, or make it.
 
         Parameters are those of `create`.
 
         Raises
         ------
         InputError
-            If the folder holds something else, or a store that asks something else.
+            If the folder holds something else, or a store of other problems.
         """
         if not Path(path).exists():
             return cls.create(path, mesh, paths, provenance=provenance, **body)
@@ -180,7 +180,7 @@ class Store:
 
     @cached_property
     def body(self) -> Body:
-        """The finite-element problem; a large one's factors are kept beside it."""
+        """The finite-element problem; a large one's factors are stored beside it."""
         return Body(
             self.mesh,
             self.materials,
@@ -278,9 +278,9 @@ class Store:
 
     @property
     def definition_hash(self) -> str:
-        """SHA-256 of mesh, materials, fixed points and load paths: what is asked."""
+        """SHA-256 of mesh, element, materials, fixed points and load paths."""
         return self._attributes.definition_hash
 
     def content_hash(self) -> str:
-        """SHA-256 of what is asked and of all answers so far; times do not count."""
+        """SHA-256 of the definition and of all results so far; times do not count."""
         return digest_of(self.definition_hash, self._results.row("digest"))

@@ -31,7 +31,8 @@ def make_rows(reader: StoreReader) -> None:
         if not layout.has(reader.group, f"{GROUP}/{name}"):
             shape, dtype, fill = ROWS[name]
             of_all = (reader.attributes.n_paths, *shape)
-            layout.put_rows(reader.group, f"{GROUP}/{name}", of_all, dtype, fill)
+            with layout.writing(reader.group):
+                layout.put_rows(reader.group, f"{GROUP}/{name}", of_all, dtype, fill)
 
 
 def write_row(reader: StoreReader, i: int, level: int, distance_mm: float) -> None:
@@ -42,7 +43,7 @@ def write_row(reader: StoreReader, i: int, level: int, distance_mm: float) -> No
         "distance_mm": distance_mm,
     }
     for name in _names(reader):
-        reader.group[f"{GROUP}/{name}"][i] = row[name]  # type: ignore[index]
+        layout.write_row(reader.group, f"{GROUP}/{name}", i, row[name])
 
 
 def read_rows(reader: StoreReader) -> tuple[IntArray, FloatArray]:
