@@ -196,7 +196,9 @@ def _numbers(hint: Any) -> Any:
         try:
             return whole(value)
         except ValidationError as error:
-            words = f"a list of {many}numbers"
+            kinds_of_error = {e["type"] for e in error.errors()}
+            finite = "finite " if "finite_number" in kinds_of_error else ""
+            words = f"a list of {many}{finite}numbers"
             raise PydanticCustomError("numbers", "{w}", {"w": words}) from error
 
     return Annotated[hint, WrapValidator(check)]
