@@ -85,7 +85,8 @@ def test_a_new_patient_has_answers_and_bounds_at_once(
         assert sharper is not None
         assert sharper.coverage == prediction.error_estimate_mm.coverage
     strong = replace(case, forces=3 * case.forces)
-    assert predictor(strong).status == PredictionStatus.OUTSIDE_TRAINED_RANGE
+    quick = predictor(strong, estimate="quick")
+    assert quick.status == PredictionStatus.OUTSIDE_TRAINED_RANGE
     with pytest.raises(InputError, match="holds a run already"):
         adapt_run(family / "run", mesh, PRESET, tmp_path / "new")
 
