@@ -36,7 +36,7 @@ def evaluate(
         typer.Option(
             help="Compare with these: quick, all, or names with commas between. The "
             "names are zero, linear, level_interpolation, pod_network, extra_trees, "
-            "nodal_network, galerkin and reduced."
+            "nodal_network, galerkin, reduced and finite_element."
         ),
     ] = "quick",
     tolerance_mm: Annotated[

@@ -28,8 +28,10 @@ def train(
     model: Annotated[
         str | None,
         typer.Option(
-            help="Train this model: galerkin, lifted, physgnn (the default) or "
-            "reduced; or one of your own, as module:Class."
+            help="Train this model: physgnn (the default), lifted, galerkin or "
+            "reduced; for comparison zero, linear, level_interpolation, pod_network, "
+            "extra_trees, nodal_network or finite_element; or one of your own, as "
+            "module:Class."
         ),
     ] = None,
     configuration: Annotated[
