@@ -1,6 +1,6 @@
 """Signals that end a run, as exceptions, so that whatever is open is closed on the way.
 
-Ctrl-C and SIGTERM raise `Interrupted`. It is a `SystemExit`, which asyncio, Lightning
+Ctrl-C and SIGTERM raise `Interrupted`. It is a SystemExit, which asyncio, Lightning
 and process pools pass on; Lightning would answer a KeyboardInterrupt with a message and
 exit code of its own.
 """

@@ -157,7 +157,7 @@ def test_there_are_no_more_anchors_than_memory_holds(
 def test_options_out_of_range_are_refused(
     block: TetMesh, options: dict[str, int]
 ) -> None:
-    with pytest.raises(InputError, match="together ≥ 1"):
+    with pytest.raises(InputError, match="nearest_anchors ≥ 1"):
         ReducedModel(body_of(block), **options)
 
 

@@ -4,11 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.runs.record import place_of_store, with_places
-from physgnn.learning.training.multi_mesh import training_meshes
 
 
 @pytest.fixture
@@ -17,23 +15,22 @@ def run(tmp_path: Path) -> Path:
 
 
 def record_of(
-    run: Path, store: Store, split: Split, monkeypatch: pytest.MonkeyPatch
+    run: Path, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> dict[str, object]:
     """A record made by a command that named the dataset from its own folder."""
     monkeypatch.chdir(store.path.parent)
     relative = Store.open(store.path.name)
     data = {"data": {"path": store.path.name}}
-    return with_places(data, run, training_meshes(relative, split))
+    return with_places(data, run, [relative])
 
 
 def test_it_is_found_from_any_folder_and_moves_with_the_run(
     run: Path,
     store: Store,
-    split: Split,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    record = record_of(run, store, split, monkeypatch)
+    record = record_of(run, store, monkeypatch)
     run.mkdir(parents=True)
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
