@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from physgnn.prediction.evidence import RULES, Evidence, Fit, decide
+from physgnn.prediction.evidence import RULES, Evidence, MeasurementFit, decide
 from physgnn.prediction.status import PredictionStatus as S
 
 NAN = float("nan")
 PREDICTED = Evidence(largest_mm=10.0, bound_mm=1.5, likely_mm=0.8)
 QUICK = Evidence(largest_mm=10.0, bound_mm=1.5)
-MET = Fit(
+MET = MeasurementFit(
     n_places=40,
     spread_mm=10.0,
     distance_mm=0.2,

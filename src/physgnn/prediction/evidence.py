@@ -39,7 +39,7 @@ LEAST_CHANCE = 1e-3  # of so large a misfit, if noise alone were its cause
 
 
 @dataclass(frozen=True)
-class Fit:
+class MeasurementFit:
     """How well a registration meets what was measured.
 
     Attributes
@@ -93,7 +93,7 @@ class Evidence:
         Whether the search for equilibrium ended there.
     jacobian : (float, float), optional
         Smallest and largest det F over cells, where it was computed.
-    fit : Fit, optional
+    fit : MeasurementFit, optional
         Of a registration.
     """
 
@@ -105,7 +105,7 @@ class Evidence:
     sound: bool = True
     converged: bool = True
     jacobian: tuple[float, float] | None = None
-    fit: Fit | None = None
+    fit: MeasurementFit | None = None
 
     @property
     def wanted_mm(self) -> float:

@@ -5,7 +5,7 @@ from scipy.stats import chi2
 
 from physgnn.arrays import FloatArray
 from physgnn.geometry.measured import farthest_points
-from physgnn.prediction.evidence import SAME_PLACE_MM, Fit
+from physgnn.prediction.evidence import SAME_PLACE_MM, MeasurementFit
 from physgnn.registration.gaussian import Posterior
 from physgnn.registration.measurement import MeasuredPairs, Measurement
 
@@ -20,7 +20,7 @@ VARIANCE_BY_KIND = {"pairs": 1.0, "surface": 2.0}
 
 def fit_of(
     measurement: Measurement, displacement: FloatArray, posterior: Posterior
-) -> Fit:
+) -> MeasurementFit:
     """Return how well a displacement meets a measurement.
 
     Parameters
@@ -44,7 +44,7 @@ def fit_of(
     )
     allowed = NOISE_KNOWN_WITHIN**2 * VARIANCE_BY_KIND[measurement.kind]
     ratio = posterior.misfit_ratio
-    return Fit(
+    return MeasurementFit(
         n_places=len(places),
         spread_mm=second_spread(places),
         distance_mm=measurement.distance_mm,

@@ -28,14 +28,14 @@ AT_REST = "at rest"  # what stands for a status before anything was pushed
 
 
 @dataclass(frozen=True, eq=False)
-class Shift:
+class ShownShift:
     """A displacement, and what it is called."""
 
     displacement: FloatArray
     status: str
 
     @classmethod
-    def of(cls, prediction: Prediction) -> "Shift":
+    def of(cls, prediction: Prediction) -> "ShownShift":
         """Return a prediction's, with the reasons for its status."""
         words = [str(prediction.status), "; ".join(prediction.reasons)]
         text = ": ".join(word for word in words if word)
@@ -47,18 +47,18 @@ class Shift:
 class Newest:
     """The newest shift, and a way to wait for the next."""
 
-    def __init__(self, shift: Shift) -> None:
+    def __init__(self, shift: ShownShift) -> None:
         self.shift = shift
         self.number = 0
         self._changed = asyncio.Condition()
 
-    async def put(self, shift: Shift) -> None:
+    async def put(self, shift: ShownShift) -> None:
         """Replace it and wake who waits."""
         async with self._changed:
             self.shift, self.number = shift, self.number + 1
             self._changed.notify_all()
 
-    async def after(self, number: int) -> tuple[int, Shift]:
+    async def after(self, number: int) -> tuple[int, ShownShift]:
         """Return it as soon as it is newer than a number."""
         async with self._changed:
             await self._changed.wait_for(lambda: self.number > number)
@@ -88,12 +88,12 @@ async def stream(
     _pyigtl()
     mesh = engine.viewed.body.mesh
     grid = await asyncio.to_thread(grid_over, mesh, GRID_MM)
-    newest = Newest(Shift(np.zeros_like(mesh.points), AT_REST))
+    newest = Newest(ShownShift(np.zeros_like(mesh.points), AT_REST))
     pack = partial(_pack, engine, grid, surfaces)
     pending: set[asyncio.Task[None]] = set()
 
     def listen(prediction: Prediction) -> None:
-        task = asyncio.create_task(newest.put(Shift.of(prediction)))
+        task = asyncio.create_task(newest.put(ShownShift.of(prediction)))
         pending.add(task)
         task.add_done_callback(pending.discard)
 
@@ -110,7 +110,7 @@ async def stream(
 
 async def _send_all(
     newest: Newest,
-    pack: Callable[[Shift], bytes],
+    pack: Callable[[ShownShift], bytes],
     reader: asyncio.StreamReader,
     writer: asyncio.StreamWriter,
 ) -> None:
@@ -139,7 +139,7 @@ async def _drained(reader: asyncio.StreamReader) -> None:
             pass
 
 
-def _pack(engine: Engine, grid: SampleGrid, surfaces: bool, shift: Shift) -> bytes:
+def _pack(engine: Engine, grid: SampleGrid, surfaces: bool, shift: ShownShift) -> bytes:
     pyigtl, displacement = _pyigtl(), shift.displacement
     field = grid.at(displacement).astype(np.float32)
     messages = [

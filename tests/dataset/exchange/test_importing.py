@@ -120,7 +120,7 @@ def test_what_does_not_fit_leaves_no_store(
     for sources, message in (
         (["a.txt"], "expected .feb, .npz, a folder of .vtu files (got '.txt')"),
         (["no.npz"], "no.npz: no such file"),
-        (["a.feb"], "a-displacement.log: no such file"),
+        (["a.feb"], "a-displacement.log: cannot be read, there is no such file"),
         (["few.feb"], 'needs <node_data data="ux;uy;uz"'),
         (["whole", "held.npz"], "held.npz, load path 0: holds other points than"),
         (["whole", "a.feb"], "a.feb: has other materials than"),

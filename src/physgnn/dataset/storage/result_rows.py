@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from physgnn.io.digest import digest_of
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 
-Row = Mapping[str, Any]
+ResultRow = Mapping[str, Any]
 MESSAGE_BYTES = 256
 CONTENT = ("displacement", "status")
 """What a path's digest covers: the same whoever solved it."""
@@ -42,12 +42,12 @@ def path_identity(definition_hash: str, i: int) -> str:
     return f"{definition_hash} path {i}"
 
 
-def digest_row(row: Row) -> NDArray[np.uint8]:
+def digest_row(row: ResultRow) -> NDArray[np.uint8]:
     """Return the SHA-256 of what was found for a path, (32,)."""
     return _as_row(digest_of(*(row[name] for name in CONTENT)))
 
 
-def seal_row(row: Row, identity: str) -> NDArray[np.uint8]:
+def seal_row(row: ResultRow, identity: str) -> NDArray[np.uint8]:
     """Return the SHA-256 of all rows of a path and of its place, (32,).
 
     Rows that changed places, or came from another store, do not have it.
@@ -62,7 +62,7 @@ def seal_row(row: Row, identity: str) -> NDArray[np.uint8]:
     return _as_row(digest_of(identity, *(row[name] for name in SEALED)))
 
 
-def encoded(solution: Solution, identity: str) -> Row:
+def encoded(solution: Solution, identity: str) -> ResultRow:
     """Return a solution's row of every array, in the order of writing."""
     message = solution.message.encode()[:MESSAGE_BYTES]
     message = message.decode(errors="ignore").encode()  # no half character

@@ -50,7 +50,7 @@ class Weights(NamedTuple):
         return self.matrix.shape[1] - self.size
 
 
-class Part(NamedTuple):
+class InputPart(NamedTuple):
     """What of the weights counts at a step, sharing their memory.
 
     Attributes
@@ -74,27 +74,27 @@ class StepWeights(NamedTuple):
     width, size : int
         Columns of the input and of the hidden state.
     score : (size,) array
-    first : Part
+    first : InputPart
         At rest there is nothing to forget, and no hidden state.
-    own, common : Part
+    own, common : InputPart
         Of other steps. What samples have in common has its products given.
     """
 
     width: int
     size: int
     score: Array
-    first: Part
-    own: Part
-    common: Part
+    first: InputPart
+    own: InputPart
+    common: InputPart
 
     @classmethod
     def of(cls, weights: Weights) -> "StepWeights":
         """Cut an LSTM's weights."""
         width, size = weights.width, weights.size
 
-        def part(rows: slice, columns: slice) -> Part:
+        def part(rows: slice, columns: slice) -> InputPart:
             bias = as_array(weights.bias)[None, rows]
-            return Part(columns, weights.matrix[rows, columns], bias)
+            return InputPart(columns, weights.matrix[rows, columns], bias)
 
         every = slice(None)
         return cls(
@@ -106,7 +106,7 @@ class StepWeights(NamedTuple):
             part(every, slice(width, None)),
         )
 
-    def at(self, k: int, *, own: bool) -> Part:
+    def at(self, k: int, *, own: bool) -> InputPart:
         """Return what counts at a step."""
         if k == 0:
             return self.first

@@ -17,7 +17,7 @@ from physgnn.learning.training.budget import Budget
 from physgnn.learning.training.callbacks import KeepState
 from physgnn.learning.training.interruption import SignalsAsBefore
 from physgnn.learning.training.lightning_module import VALIDATION_LOSS
-from physgnn.learning.training.random_state import RandomState
+from physgnn.learning.training.random_states import RandomState
 
 
 @dataclass(frozen=True)

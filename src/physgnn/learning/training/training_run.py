@@ -46,7 +46,7 @@ from physgnn.learning.training.multi_mesh import (
     training_meshes,
     validation_batches,
 )
-from physgnn.learning.training.random_state import seeded
+from physgnn.learning.training.random_states import seeded
 from physgnn.learning.training.resuming import find_state, prepare
 from physgnn.learning.training.sample_cache import SampleCache
 from physgnn.learning.training.schedules import SCHEDULES
