@@ -14,7 +14,9 @@ def body_of_the_template() -> TetMesh:
     points = block.points - [100.0, 118.0, 86.0]
     x = points[block.cells].mean(axis=1) - [0.0, -18.0, 12.0]
     kept = ((x / [69.0, 87.0, 70.0]) ** 2).sum(axis=1) <= 1
-    return TetMesh(points, block.cells[kept], np.zeros(kept.sum(), dtype=np.int32))
+    used, cells = np.unique(block.cells[kept], return_inverse=True)
+    region = np.zeros(kept.sum(), dtype=np.int32)
+    return TetMesh(points[used], cells.reshape(-1, 4), region)
 
 
 def test_the_t1_is_found_for_a_brain_in_its_place_only() -> None:

@@ -186,8 +186,8 @@ def all_kinds(tmp_path: Path) -> Path:
         ('<pressure lc="1">', '<push lc="1">', "expected a FEBio model"),
         ("0.0003000</pressure>", "soft</pressure>", "'soft' is no number"),
         ("0.0,0.0,9806.65<", "0,0,0<", "needs a <force> of three numbers, not 0"),
-        ("0.0,0.0,9806.65<", "0,0,9.8*t<", "an entry is missing or no number"),
-        ("<dof>x</dof>", "<dof>u</dof>", "an entry is missing or no number"),
+        ("0.0,0.0,9806.65<", "0,0,9.8*t<", "string to float: '9.8*t'"),
+        ("<dof>x</dof>", "<dof>u</dof>", "a <dof> that is x, y or z (got 'u')"),
     ],
 )
 def test_what_does_not_fit_is_named(

@@ -195,6 +195,8 @@ class LoadReader:
         if not points:
             raise InputError(f"there is no load curve '{name}'")
         time, value = np.array(points).T
+        if (np.diff(time) <= 0).any():
+            raise InputError(f"the times of load curve '{name}' must increase")
         factors: FloatArray = np.interp(times, time, value)
         return factors
 
