@@ -35,6 +35,11 @@ def read_json(file: Path) -> dict[str, Any]:
     InputError
         If it cannot be read or is no record.
     """
+    if not file.is_file():
+        raise InputError(
+            f"{file.parent} is no run folder: it has no {file.name}; train one, or name
+            " "another"
+        )
     try:
         record = json.loads(file.read_text("utf-8"))
         return with_present_names(record)
