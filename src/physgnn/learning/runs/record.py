@@ -37,8 +37,8 @@ def read_json(file: Path) -> dict[str, Any]:
     """
     if not file.is_file():
         raise InputError(
-            f"{file.parent} is no run folder: it has no {file.name}; train one, or name
-            " "another"
+            f"{file.parent} is no run folder: it has no {file.name}; train one, or "
+            "name another"
         )
     try:
         record = json.loads(file.read_text("utf-8"))
