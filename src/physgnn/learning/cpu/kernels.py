@@ -37,7 +37,7 @@ class State(NamedTuple):
 
 
 class Gradients(NamedTuple):
-    """What the way back carries.
+    """What the backward pass carries.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ def step(gates, bias, score, state, scores, back):  # type: ignore[no-untyped-de
     scores : (n,) array
         Out.
     back : bool
-        Whether there is a way back, which needs the gates.
+        Whether a backward pass follows, which needs the gates.
     """
     before, cell, inputs = state
     n, m = cell.shape

@@ -1,7 +1,7 @@
 """Scores from an LSTM that reads short sequences, one a row, on the processor.
 
 Rows are taken in blocks small enough to stay in cache, and shared out over threads.
-For training only gates and cells are kept, and the way back is written out.
+For training only gates and cells are kept, and the backward pass is written out.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ class Way(NamedTuple):
     precision : torch.dtype or None
         Of the products: bfloat16, or else the weights'.
     keep : bool
-        Keep gates and cells for the way back, or compute them again then.
+        Keep gates and cells for the backward pass, or compute them again then.
     """
 
     precision: torch.dtype | None = None

@@ -1,4 +1,4 @@
-"""An LSTM's steps on a block of rows, and the way back through them.
+"""An LSTM's steps on a block of rows, and the backward pass through them.
 
 A step is one matrix product, of the rows' inputs and hidden states side by side, and
 one compiled pass over what comes out.
@@ -52,7 +52,7 @@ def read(
     found : Found
         Room for the results.
     back : bool
-        Leave in the states what the way back needs.
+        Leave in the states what the backward pass needs.
     """
     inputs = _start(block, given, weights)
     rows, width = as_array(inputs), weights.width

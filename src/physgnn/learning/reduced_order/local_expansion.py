@@ -33,7 +33,7 @@ from physgnn.mechanics.reduced.local_expansion import LocalExpansion
 
 KEPT_AT_ONCE = 256  # expansions; one about 17 points takes 6 MB on 9000
 MAX_BYTES = 2 * 2**30  # of the anchors' columns
-FACTORS_AT_ONCE = 6  # of known states, 80 MB each
+FACTORS_AT_ONCE = 6  # of reference states, 80 MB each
 LEAST_MM = 1e-9  # a distance can't be zero in a weight
 FEW = 30  # loaded points; about more a prediction takes seconds
 
