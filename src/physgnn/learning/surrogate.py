@@ -1,4 +1,4 @@
-"""The one interface of all methods: what answers a load case with a displacement.
+"""The one interface of all methods: what gives the displacement under a load case.
 
 A :class:`Surrogate` stands for one body: a network, a reduced model, a learner of rows,
 the linear solution, the finite elements themselves. Training, run folders, predictions
@@ -41,7 +41,7 @@ TINY_N = 1e-6  # a load under which the rest state is the nearest reference stat
 
 
 class Surrogate(ABC):
-    """What answers load cases on one body.
+    """What gives displacements under load cases on one body.
 
     A subclass takes the body and then its own options by keyword, each with a default,
     such as JSON can hold: a run folder records them and builds the surrogate anew.
@@ -53,7 +53,7 @@ class Surrogate(ABC):
     """
 
     elements: ClassVar[tuple[str, ...]] = ELEMENTS
-    """The elements of bodies that it can answer for."""
+    """The elements of bodies that it knows."""
     learns: ClassVar[bool] = True
     """Whether `fit` learns: then it needs samples, and its time counts."""
     draws: ClassVar[bool] = False
@@ -164,7 +164,7 @@ class Surrogate(ABC):
 
     @classmethod
     def applies_to(cls, store: Store, train: IntArray, test: IntArray) -> bool:  # noqa: ARG003
-        """Return whether it can be fitted to `train` and answer `test`."""
+        """Return whether it can be fitted to `train` and predict `test`."""
         return len(train) > 0 or not cls.learns
 
     @classmethod

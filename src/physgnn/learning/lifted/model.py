@@ -1,9 +1,9 @@
-"""The lifted network: physics carries a load's answer, a network what is left over.
+"""The lifted network: physics carries the displacement, a network what is left over.
 
 u = ū + u₁ + u₂ (`physgnn.mechanics.reduced.asymptotic_expansion`) + ‖u₂‖ · (network +
 modes). The factor, the mean length of u₂, makes the correction O(load²) or smaller, so
 that small loads get the linear solution, and none nothing. All is computed in the
-body's own axes, so that a body turned with its load has its answer turned.
+body's own axes, so that a body turned with its load has its displacement turned.
 """
 
 from collections.abc import Iterator
@@ -132,7 +132,7 @@ class LiftedModel(Network):
             self._fit_modes(store, samples)
 
     def expect(self, forces: FloatArray) -> None:
-        """Find the anchors and the points near loads, from loads without answers.
+        """Find the anchors and the points near loads, from loads without solutions.
 
         Parameters
         ----------
@@ -200,8 +200,10 @@ class LiftedModel(Network):
         for path, level in samples[::every]:
             x = self.encode(store.load_case(int(path), int(level)))
             truth = torch.tensor(store.displacement(int(path))[int(level)])
-            answer, first, second, _ = torch.split(x, 3, dim=-1)
-            missed.append((truth @ self.axes.cpu().T - answer) / _size(second[None])[0])
+            expanded, first, second, _ = torch.split(x, 3, dim=-1)
+            missed.append(
+                (truth @ self.axes.cpu().T - expanded) / _size(second[None])[0]
+            )
             terms.append(torch.stack([first, second, missed[-1]]))
         shapes = leading_modes(torch.stack(missed).numpy(), len(self.modes))
         self.modes.copy_(as_float32(shapes))
@@ -209,7 +211,7 @@ class LiftedModel(Network):
         self.mode_scale.copy_(projected.square().mean(0).sqrt().clamp_min(1e-12))
 
     def encode(self, load_case: LoadCase) -> Tensor:
-        """Return the second-order answer, u₁, u₂ and force in the body's axes.
+        """Return the second-order displacement, u₁, u₂ and force in the body's axes.
 
         Returns
         -------
@@ -231,17 +233,17 @@ class LiftedModel(Network):
 
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:  # noqa: ARG002
         """Return displacement in mm, (batch, n_points, 3), in the world's axes."""
-        answer, first, second, force = torch.split(inputs, 3, dim=-1)
+        expanded, first, second, force = torch.split(inputs, 3, dim=-1)
         size = _size(second)
         patch = self._patch_on(inputs.device)
-        terms = torch.cat([answer - first - second, first, second], dim=-1)
+        terms = torch.cat([expanded - first - second, first, second], dim=-1)
         near = self.local(terms[:, patch.points], force[:, patch.points], size, patch)
-        correction = torch.zeros_like(answer).index_copy(1, patch.points, near)
+        correction = torch.zeros_like(expanded).index_copy(1, patch.points, near)
         if self.coefficients is not None:
             projected = self._project(torch.stack([first, second, correction], dim=1))
             shares = self.coefficients(projected / self.mode_scale)
             correction = correction + torch.tensordot(shares, self.modes, dims=1)
-        displacement: Tensor = (answer + self.free * size * correction) @ self.axes
+        displacement: Tensor = (expanded + self.free * size * correction) @ self.axes
         return displacement
 
     def refine(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:

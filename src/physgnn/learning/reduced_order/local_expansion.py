@@ -3,8 +3,8 @@
 A load is answered by the local expansion (`physgnn.mechanics.reduced.local_expansion`)
 about known equilibria, solved exactly in the cells around the loaded points. Known are
 the rest state and some of the training samples, the anchors, chosen to lie far from one
-another. The answers about the nearest anchors are averaged with weights 1 / distance⁴,
-so that an anchor's own load gets its own state back.
+another. The solutions about the nearest anchors are averaged with weights
+1 / distance⁴, so that an anchor's own load gets its own state back.
 """
 
 from collections.abc import Iterator, Sequence
@@ -178,11 +178,11 @@ class ReducedModel(Surrogate):
         return self._state(k)
 
     def _converged(self, force: FloatArray) -> Iterator[tuple[float, FloatArray]]:
-        """Yield weights and answers about anchors, the nearest first."""
+        """Yield weights and solutions about anchors, the nearest first."""
         for k, distance, nodes in self._nearest(force):
-            answer = self._about(k, nodes)(force)
-            if answer.converged:
-                yield max(distance, LEAST_MM) ** -4.0, answer.displacement
+            solution = self._about(k, nodes)(force)
+            if solution.converged:
+                yield max(distance, LEAST_MM) ** -4.0, solution.displacement
 
     def _nearest(
         self, force: FloatArray

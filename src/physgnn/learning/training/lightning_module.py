@@ -37,7 +37,7 @@ class TrainingModule(LightningModule):
         super().__init__()
         self.automatic_optimization = False  # Lightning can't add up unequal parts
         self.model = models[0]
-        self.members = tuple(models)
+        self.networks = tuple(models)
         self.config = config
         self.at_once = at_once
         self.loss = LOSSES[config.loss]
@@ -46,7 +46,7 @@ class TrainingModule(LightningModule):
     def on_fit_start(self) -> None:
         """Move the graphs, and what belongs to one body, to where the weights are."""
         self.graphs = tuple(graph.to(self.device) for graph in self.graphs)
-        for model in self.members:
+        for model in self.networks:
             model.to(self.device)
 
     def training_step(self, batch: Batch, _: int) -> Tensor:
@@ -102,9 +102,9 @@ class TrainingModule(LightningModule):
             )
 
     def _loss(self, batch: Batch, part: slice = slice(None)) -> Tensor:
-        inputs, true, member = batch
-        k = int(member[0])
-        predicted = self.members[k](inputs[part], self.graphs[k])
+        inputs, true, mesh = batch
+        k = int(mesh[0])
+        predicted = self.networks[k](inputs[part], self.graphs[k])
         return self.loss(predicted, true[part])
 
     def _log(self, name: str, loss: Tensor, batch: Batch) -> None:

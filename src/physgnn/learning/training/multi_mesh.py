@@ -34,7 +34,7 @@ class TrainingMesh(NamedTuple):
 
 
 def training_meshes(stores: Stores, splits: Splits) -> list[TrainingMesh]:
-    """Return one member a store; InputError unless there is a split for each."""
+    """Return one mesh a store; InputError unless there is a split for each."""
     stores = [stores] if isinstance(stores, Store) else list(stores)
     splits = [splits] if isinstance(splits, Split) else list(splits)
     if not stores or len(stores) != len(splits):
@@ -46,11 +46,11 @@ def training_meshes(stores: Stores, splits: Splits) -> list[TrainingMesh]:
 
 
 def build_models(
-    members: Sequence[TrainingMesh],
+    meshes: Sequence[TrainingMesh],
     config: TrainingConfig,
     start: Surrogate | None = None,
 ) -> list[Network]:
-    """Return one network a member; all have the weights of the first, or of `start`.
+    """Return one network a mesh; all have the weights of the first, or of `start`.
 
     Raises
     ------
@@ -58,8 +58,7 @@ def build_models(
         If weights are to be shared and what the model learns belongs to one body.
     """
     built = [
-        build_model(config.model, member.store.body, **config.options)
-        for member in members
+        build_model(config.model, mesh.store.body, **config.options) for mesh in meshes
     ]
     first, *others = models = [model for model in built if isinstance(model, Network)]
     if start is not None:
@@ -71,26 +70,26 @@ def build_models(
 
 
 def fitted_samples(
-    members: Sequence[TrainingMesh],
+    meshes: Sequence[TrainingMesh],
     models: Sequence[Network],
     caches: Sequence[SampleCache],
     seed: int = 0,
 ) -> tuple[list[Samples], list[Samples]]:
-    """Fit each model's statistics; return training and validation samples by member.
+    """Fit each model's statistics; return training and validation samples by mesh.
 
     The samples are encoded here, in the same order whether a training is resumed or
     not. Of several bodies this is done one body after the other, so that what encoding
     caches in memory is that of one body at a time.
     """
     training, validation = [], []
-    for (store, split), model, cache in zip(members, models, caches, strict=True):
+    for (store, split), model, cache in zip(meshes, models, caches, strict=True):
         used = split.train if len(split.train) else split.validation
         model.fit(store, used, seed)
         training.append(Samples(store, split.train, model, cache))
         validation.append(Samples(store, split.validation, model, cache))
         for samples in (training[-1], validation[-1]):
             samples.make_all()
-        if len(members) > 1:
+        if len(meshes) > 1:
             model.release()
     return training, validation
 
@@ -113,7 +112,7 @@ def validation_batches(
 
 
 class Together(Dataset[MeshBatch]):
-    """Samples of all members, one after the other, each with its member's number."""
+    """Samples of all meshes, one after the other, each with its mesh's number."""
 
     def __init__(self, parts: Sequence[Samples]) -> None:
         self.parts = parts
@@ -123,13 +122,13 @@ class Together(Dataset[MeshBatch]):
         return sum(len(part) for part in self.parts)
 
     def __getitem__(self, index: int) -> tuple[Tensor, Tensor, int]:  # type: ignore[override]
-        member = int(np.searchsorted(self.starts, index, side="right")) - 1
-        inputs, true = self.parts[member][index - int(self.starts[member])]
-        return inputs, true, member
+        mesh = int(np.searchsorted(self.starts, index, side="right")) - 1
+        inputs, true = self.parts[mesh][index - int(self.starts[mesh])]
+        return inputs, true, mesh
 
 
 class MixedOrder(Sampler[list[int]]):
-    """Each member's batches as `EpochOrder` has them, the members shuffled.
+    """Each mesh's batches as `EpochOrder` has them, the meshes shuffled.
 
     Attributes
     ----------

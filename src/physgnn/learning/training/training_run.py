@@ -108,11 +108,11 @@ def train(
         loss becomes NaN, or a sample needs more memory than allowed.
     """
     run = Path(run)
-    members = training_meshes(store, split)
-    record = new_record(members, asdict(config))
-    record = with_places(record, run, [member.store for member in members])
+    meshes = training_meshes(store, split)
+    record = new_record(meshes, asdict(config))
+    record = with_places(record, run, [mesh.store for mesh in meshes])
     if not issubclass(model_class(config.model), Network):
-        if len(members) > 1 or start is not None:
+        if len(meshes) > 1 or start is not None:
             raise InputError(
                 f"model '{config.model}' is fitted to one body in one go: give one "
                 "dataset, and no run to begin with"
@@ -121,7 +121,7 @@ def train(
             check_same_run(run, record, asdict(TrainingConfig()))
         else:
             prepare(run, record)
-        return _fitted(members[0], config, run, record, progress)
+        return _fitted(meshes[0], config, run, record, progress)
     if start is not None:
         record = with_start(record, start.record)
     state = None
@@ -133,11 +133,11 @@ def train(
     with ExitStack() as stack:
         stack.enter_context(ending_at_signals())
         stack.enter_context(_seeded(config.seed))
-        models = build_models(members, config, start.model if start else None)
+        models = build_models(meshes, config, start.model if start else None)
         for model in models:
             model.set_precision(config.precision)
         caches = [stack.enter_context(SampleCache(run)) for _ in models]
-        samples, held_out = fitted_samples(members, models, caches, config.seed)
+        samples, held_out = fitted_samples(meshes, models, caches, config.seed)
         best = KeepBest(
             lambda loss: Checkpoint(
                 models[0], with_result(record, loss=loss, spent=budget.spent)
@@ -163,14 +163,14 @@ def train(
 
 
 def _fitted(
-    member: TrainingMesh,
+    mesh: TrainingMesh,
     config: TrainingConfig,
     run: Path,
     record: dict[str, Any],
     progress: Progress | None,
 ) -> Checkpoint:
     """Fit a surrogate in one go, judge it on some validation samples, save the run."""
-    store, split = member
+    store, split = mesh
     budget = Budget(config)
     model = build_model(config.model, store.body, **config.options)
     model.fit(store, split.train, config.seed)
