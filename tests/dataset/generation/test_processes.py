@@ -24,6 +24,19 @@ if __name__ == "__main__":
 """
 
 
+OTHERS: set[object] = set()  # processes that other tests left alive
+
+
+@pytest.fixture(autouse=True)
+def _others() -> None:
+    OTHERS.clear()
+    OTHERS.update(active_children())
+
+
+def new_children() -> set[object]:
+    return {*active_children()} - OTHERS
+
+
 def named(i: int) -> tuple[str, str]:
     return f"path {i} by {os.environ['OMP_NUM_THREADS']} thread", ""
 
@@ -48,7 +61,7 @@ def fails(_: int) -> tuple[str, str]:
 def test_every_path_is_done_once() -> None:
     found = sorted(spread(named, list(range(7)), 2))
     assert found == [(i, f"path {i} by 1 thread", "") for i in range(7)]
-    assert active_children() == []
+    assert new_children() == set()
 
 
 def test_a_path_whose_process_dies_is_done_by_another(tmp_path: Path) -> None:
@@ -67,7 +80,7 @@ def test_a_path_that_always_kills_is_given_up(tmp_path: Path) -> None:
 def test_errors_are_named() -> None:
     with pytest.raises(InputError, match="no solver here"):
         list(spread(refuses, [0, 1], 2))
-    assert active_children() == []
+    assert new_children() == set()
     assert list(spread(fails, [4], 1)) == [(4, "error", "RuntimeError: a bug")]
 
 
@@ -75,7 +88,7 @@ def test_left_early() -> None:
     results = spread(named, list(range(100)), 2)
     next(results)
     results.close()  # type: ignore[attr-defined]
-    assert active_children() == []
+    assert new_children() == set()
 
 
 @pytest.mark.parametrize(
