@@ -13,6 +13,7 @@ import pytest
 
 from physgnn.dataset.generation.processes import MOST_DEATHS, spread
 from physgnn.errors import InputError
+from worker_tasks import deadly, fails, named, refuses
 
 ENDLESS = """
 import sys, time
@@ -35,27 +36,6 @@ def _others() -> None:
 
 def new_children() -> set[object]:
     return {*active_children()} - OTHERS
-
-
-def named(i: int) -> tuple[str, str]:
-    return f"path {i} by {os.environ['OMP_NUM_THREADS']} thread", ""
-
-
-def deadly(folder: Path, worst: int, i: int) -> tuple[str, str]:
-    """Path 1 kills its process the first `worst` times."""
-    tries = folder / f"{i}-{time.monotonic_ns()}"
-    tries.touch()
-    if i == 1 and len(list(folder.glob("1-*"))) <= worst:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return "done", ""
-
-
-def refuses(_: int) -> tuple[str, str]:
-    raise InputError("no solver here")
-
-
-def fails(_: int) -> tuple[str, str]:
-    raise RuntimeError("a bug")
 
 
 def test_every_path_is_done_once() -> None:
