@@ -18,8 +18,8 @@ from held_out import spread
 from physgnn.dataset import Store, named_split
 from physgnn.learning.graph import graph_of
 from physgnn.learning.runs.checkpoint import Checkpoint
-from physgnn.learning.training.losses import mean_euclidean
-from physgnn.learning.training.volume_penalty import VolumePenalty
+from physgnn.learning.training.objective.losses import mean_euclidean
+from physgnn.learning.training.objective.volume_penalty import VolumePenalty
 from tables import machine, table
 
 BATCH, RATE = 4, 3e-4

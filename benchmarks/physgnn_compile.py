@@ -22,7 +22,7 @@ from physgnn.learning.cpu import LayerScores
 from physgnn.learning.graph import Graph
 from physgnn.learning.physgnn import convolution
 from physgnn.learning.physgnn.published import load_published
-from physgnn.learning.training.losses import mean_euclidean
+from physgnn.learning.training.objective.losses import mean_euclidean
 from physgnn_speed import batch_of, medians, second_call
 
 BATCH = 8

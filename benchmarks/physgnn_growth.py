@@ -20,7 +20,7 @@ from fe_growth import brain
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
 from physgnn.learning.physgnn.network import PhysGNN
-from physgnn.learning.training.memory import MEGABYTE, kept_bytes
+from physgnn.learning.training.samples.memory import MEGABYTE, kept_bytes
 from tables import machine, table
 
 N_LOADED = 100

@@ -33,7 +33,7 @@ from physgnn.learning.cpu import only_side_by_side
 from physgnn.learning.graph import Graph
 from physgnn.learning.physgnn.precision import set_precision
 from physgnn.learning.physgnn.published import load_published
-from physgnn.learning.training.losses import mean_euclidean
+from physgnn.learning.training.objective.losses import mean_euclidean
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 with warnings.catch_warnings():

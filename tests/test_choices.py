@@ -10,7 +10,7 @@ from physgnn.io.medical.nifti_place import FORMS
 from physgnn.io.stress_curves import PA
 from physgnn.learning.physgnn.precision import PRECISIONS
 from physgnn.learning.training.budget import CLOCKS
-from physgnn.learning.training.losses import LOSSES
+from physgnn.learning.training.objective.losses import LOSSES
 from physgnn.learning.training.schedules import SCHEDULES
 from physgnn.mechanics.elements.tet4 import ELEMENTS
 from physgnn.mechanics.materials.fitted_laws import FAMILIES

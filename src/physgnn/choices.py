@@ -59,7 +59,7 @@ class SplitName(StrEnum):
 
 
 class LossName(StrEnum):
-    """What training makes small: rows of `physgnn.learning.training.losses.LOSSES`."""
+    """What training minimises: rows of `learning.training.objective.losses.LOSSES`."""
 
     MEAN_EUCLIDEAN = "mean_euclidean"
     MEAN_SQUARE = "mean_square"

@@ -35,7 +35,7 @@ from pydantic import (
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from physgnn.errors import InputError
-from physgnn.io.text import read_toml_text
+from physgnn.io.untrusted.text import read_toml_text
 
 T = TypeVar("T")
 Place = tuple[str | int, ...]

@@ -24,11 +24,11 @@ import numpy as np
 from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_numbers
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_file
-from physgnn.io.compressed import read_npz
-from physgnn.io.input_errors import reading
-from physgnn.io.numbers import real_numbers, whole_numbers
+from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.simulation import Simulation, solution_of
+from physgnn.io.untrusted.compressed import read_npz
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.numbers import real_numbers, whole_numbers
 from physgnn.mechanics.equilibrium.solution import Status
 from physgnn.mechanics.loads.paths import LoadPath
 

@@ -17,9 +17,9 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import write_whole
-from physgnn.io.input_errors import reading
-from physgnn.io.text import read_json
+from physgnn.io.integrity.atomic import write_whole
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.text import read_json
 from physgnn.mechanics.loads.paths import LoadCase
 
 PLACES = ("nodes", "points")

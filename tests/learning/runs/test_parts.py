@@ -15,7 +15,7 @@ from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.io import read_mesh, write_mesh
-from physgnn.io.digest import Manifest, digest_of_file
+from physgnn.io.integrity.digest import Manifest, digest_of_file
 from physgnn.learning.models import build_model
 from physgnn.learning.runs import parts
 from physgnn.learning.runs.checkpoint import Checkpoint, read_record

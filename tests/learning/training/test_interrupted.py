@@ -17,7 +17,7 @@ from safetensors.torch import load_file
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
-from physgnn.io.digest import Manifest
+from physgnn.io.integrity.digest import Manifest
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig

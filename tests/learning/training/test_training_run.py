@@ -13,7 +13,7 @@ from physgnn.errors import InputError
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.training import callbacks
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.losses import LOSSES
+from physgnn.learning.training.objective.losses import LOSSES
 from physgnn.learning.training.training_run import train
 
 SMALL = TrainingConfig(

@@ -13,8 +13,8 @@ from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.plausibility import check_millimetres
 from physgnn.io.array_files import read_arrays
-from physgnn.io.atomic import whole_folder
 from physgnn.io.febio.model_reader import read_febio_results
+from physgnn.io.integrity.atomic import whole_folder
 from physgnn.io.simulation import Simulation
 from physgnn.io.vtk.series import read_series
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT

@@ -14,7 +14,7 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError
 
 from physgnn.errors import InputError
-from physgnn.io.digest import digest_of, without_digest
+from physgnn.io.integrity.digest import digest_of, without_digest
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 
 FORMAT = "physgnn-dataset"

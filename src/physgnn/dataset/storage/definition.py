@@ -17,7 +17,7 @@ from physgnn.dataset.storage.result_rows import result_arrays
 from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_indices
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.digest import digest_of
+from physgnn.io.integrity.digest import digest_of
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, checked_element
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadPath

@@ -12,7 +12,7 @@ import zarr
 from physgnn.dataset.storage import layout
 from physgnn.dataset.storage.attributes import Attributes
 from physgnn.errors import InputError
-from physgnn.io.digest import digest_of
+from physgnn.io.integrity.digest import digest_of
 
 
 @dataclass(frozen=True, eq=False)

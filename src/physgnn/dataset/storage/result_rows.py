@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.io.digest import digest_of
+from physgnn.io.integrity.digest import digest_of
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 
 ResultRow = Mapping[str, Any]

@@ -18,8 +18,8 @@ from physgnn.dataset.storage.results import StoredResults
 from physgnn.dataset.storage.stored_paths import StoredPaths
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_folder
-from physgnn.io.digest import digest_of
+from physgnn.io.integrity.atomic import whole_folder
+from physgnn.io.integrity.digest import digest_of
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.solution import Solution, Status

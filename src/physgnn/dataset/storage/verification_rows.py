@@ -14,7 +14,7 @@ from physgnn.dataset.storage import layout
 from physgnn.dataset.storage.reader import StoreReader
 from physgnn.dataset.storage.result_rows import path_identity
 from physgnn.errors import InputError
-from physgnn.io.digest import digest_of
+from physgnn.io.integrity.digest import digest_of
 
 GROUP = "verification"
 # Name to the row's shape, type and fill value, in the order of writing.

@@ -8,7 +8,7 @@ from pathlib import Path
 from physgnn.evaluation.measure.held_out import HeldOut
 from physgnn.evaluation.measure.result import ModelErrors, errors_from_json
 from physgnn.evaluation.measure.rows import Row
-from physgnn.io.atomic import write_whole
+from physgnn.io.integrity.atomic import write_whole
 
 
 class CachedRows:

@@ -10,7 +10,7 @@ import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.evaluation.measure.held_out import HeldOut
-from physgnn.io.atomic import write_whole
+from physgnn.io.integrity.atomic import write_whole
 from physgnn.prediction.error_bounds.calibration import Calibration
 from physgnn.prediction.predictor import Predictor
 from physgnn.progress import Progress

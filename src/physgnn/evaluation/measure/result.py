@@ -9,7 +9,7 @@ from typing import Any
 from physgnn.errors import InputError
 from physgnn.evaluation.measure.distribution import Distribution
 from physgnn.evaluation.measure.metrics import SampleError, SampleSummary
-from physgnn.io.atomic import write_whole
+from physgnn.io.integrity.atomic import write_whole
 
 FORMAT = "physgnn-evaluation"
 VERSION = 2

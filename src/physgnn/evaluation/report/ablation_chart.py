@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from physgnn.evaluation.report.style import LIGHT, SPARE_COLOURS
-from physgnn.io.atomic import whole_file
+from physgnn.io.integrity.atomic import whole_file
 
 DPI = 160
 

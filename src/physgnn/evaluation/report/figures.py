@@ -37,7 +37,7 @@ from physgnn.evaluation.report.style import (
 )
 from physgnn.imaging import slices_of_shift
 from physgnn.imaging.template import bundled_t1
-from physgnn.io.atomic import whole_file
+from physgnn.io.integrity.atomic import whole_file
 from physgnn.prediction.prediction import Predict
 
 DPI = 160

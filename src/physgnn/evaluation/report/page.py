@@ -15,7 +15,7 @@ from physgnn.evaluation.report.figures import Picture
 from physgnn.evaluation.report.formats import duration, mm, percent
 from physgnn.evaluation.report.style import colour, label
 from physgnn.evaluation.report.tables import Table, group_label
-from physgnn.io.atomic import write_whole
+from physgnn.io.integrity.atomic import write_whole
 from physgnn.prediction.prediction import PredictionStatus
 
 SPLIT_TITLE = {

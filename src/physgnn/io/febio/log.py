@@ -11,9 +11,9 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
-from physgnn.io.input_errors import reading
 from physgnn.io.simulation import solution_of
-from physgnn.io.text import read_text
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.text import read_text
 from physgnn.mechanics.equilibrium.solution import Solution
 from physgnn.mechanics.loads.paths import LoadPath
 

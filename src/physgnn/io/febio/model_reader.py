@@ -20,9 +20,9 @@ from physgnn.io.febio.load_reader import PRESCRIBED, LoadReader
 from physgnn.io.febio.log import read_febio_log
 from physgnn.io.febio.materials import material_of
 from physgnn.io.febio.model_writer import REGION_PREFIX
-from physgnn.io.input_errors import reading
 from physgnn.io.simulation import Simulation
-from physgnn.io.xml_tree import read_xml
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.xml_tree import read_xml
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material
 

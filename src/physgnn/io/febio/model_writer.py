@@ -15,7 +15,6 @@ import numpy as np
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import write_whole
 from physgnn.io.febio.elements import AXES, CURVE, add, listed, moved_point
 from physgnn.io.febio.load_writer import (
     KG_M3_TO_T_MM3,
@@ -24,6 +23,7 @@ from physgnn.io.febio.load_writer import (
     follows_surface,
 )
 from physgnn.io.febio.materials import febio_material
+from physgnn.io.integrity.atomic import write_whole
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material

@@ -16,9 +16,9 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.measured import PointPairs
 from physgnn.imaging.transforms import points_to_ras
-from physgnn.io.input_errors import reading
 from physgnn.io.medical.pairing import MarkedPoint, paired
-from physgnn.io.text import read_json, read_text
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.text import read_json, read_text
 from physgnn.progress import Log, no_log
 
 PAIR_COLUMNS = [f"{end}_{axis}" for end in ("source", "target") for axis in "xyz"]

@@ -6,9 +6,9 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.measured import SurfacePoints
-from physgnn.io.input_errors import reading
 from physgnn.io.medical.markups import MARKUP_READERS, read_points
 from physgnn.io.surfaces.formats import SURFACE_READERS, read_surface
+from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log
 
 

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
-from physgnn.io.atomic import whole_file
-from physgnn.io.compressed import read_unpacked
-from physgnn.io.input_errors import reading
+from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.medical.nifti_header import parsed_nifti
 from physgnn.io.medical.nifti_place import place_of
+from physgnn.io.untrusted.compressed import read_unpacked
+from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log
 
 SUFFIXES = (".nii", ".nii.gz")

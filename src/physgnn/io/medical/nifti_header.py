@@ -15,7 +15,7 @@ import nibabel as nib
 from nibabel.imageglobals import logger
 
 from physgnn.errors import InputError
-from physgnn.io.limits import check_size
+from physgnn.io.untrusted.limits import check_size
 
 # The first word of the header is its length; the mark of a header with its voxels.
 KINDS = {348: (nib.Nifti1Image, b"n+1"), 540: (nib.Nifti2Image, b"n+2")}

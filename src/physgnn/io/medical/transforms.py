@@ -16,9 +16,9 @@ from physgnn.imaging.transforms import (
     to_itk_nifti,
     to_ras_nifti,
 )
-from physgnn.io.atomic import reserve, whole_file
+from physgnn.io.integrity.atomic import reserve, whole_file
 from physgnn.io.medical.nifti import save_nifti
-from physgnn.io.native_output import silent_native_code
+from physgnn.io.untrusted.native_output import silent_native_code
 
 TRANSFORM_SUFFIX = ".h5"
 BYTES_PER_VECTOR, HEADER_BYTES = 24, 1 << 14  # at most: float64, compressed

@@ -10,10 +10,10 @@ from pathlib import Path
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface
 from physgnn.imaging.transforms import points_to_ras
-from physgnn.io.input_errors import reading
 from physgnn.io.surfaces.obj import read_obj
 from physgnn.io.surfaces.ply import read_ply
 from physgnn.io.surfaces.stl import read_stl
+from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.vtp import read_vtp
 

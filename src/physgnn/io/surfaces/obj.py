@@ -12,9 +12,9 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
-from physgnn.io.input_errors import reading
-from physgnn.io.numbers import whole_numbers
-from physgnn.io.text import read_text
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.numbers import whole_numbers
+from physgnn.io.untrusted.text import read_text
 
 
 def read_obj(path: Path) -> Surface:

@@ -13,8 +13,8 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
-from physgnn.io.numbers import whole_numbers
-from physgnn.io.text import read_bytes
+from physgnn.io.untrusted.numbers import whole_numbers
+from physgnn.io.untrusted.text import read_bytes
 
 # The names of number types, old and new, and their codes in Python's struct.
 CODES = {

@@ -11,8 +11,8 @@ import numpy as np
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
-from physgnn.io.input_errors import reading
-from physgnn.io.text import read_bytes
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.text import read_bytes
 
 HEADER_BYTES = 84
 TRIANGLE = np.dtype(

@@ -8,7 +8,7 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
-from physgnn.io.numbers import real_numbers, whole_numbers
+from physgnn.io.untrusted.numbers import real_numbers, whole_numbers
 
 Array = np.ndarray[Any, Any]
 

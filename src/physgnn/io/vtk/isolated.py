@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from physgnn.errors import InputError
-from physgnn.io.compressed import read_npz
-from physgnn.io.limits import GB, allowed_bytes
+from physgnn.io.untrusted.compressed import read_npz
+from physgnn.io.untrusted.limits import GB, allowed_bytes
 from physgnn.io.vtk import vtk_process
 from physgnn.io.vtk.data import Array, VtkData
 

@@ -11,8 +11,8 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces, region_faces
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.input_errors import reading
-from physgnn.io.numbers import real_numbers
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.numbers import real_numbers
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.vtu import RAS, SPACE, add_notes, read_mesh
 from physgnn.io.vtk.writer import write_vtk

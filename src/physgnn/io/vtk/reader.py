@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from physgnn.io.input_errors import reading
+from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.isolated import read_isolated
 from physgnn.io.vtk.xml_arrays import OtherFeatureError

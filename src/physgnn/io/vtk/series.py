@@ -18,10 +18,10 @@ import numpy as np
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.atomic import whole_folder
-from physgnn.io.input_errors import reading
-from physgnn.io.numbers import real_numbers
+from physgnn.io.integrity.atomic import whole_folder
 from physgnn.io.simulation import Simulation, solution_of
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.numbers import real_numbers
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.vtu import grid_of, mesh_of, save_grid

@@ -14,8 +14,8 @@ import pyvista as pv
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.input_errors import reading
-from physgnn.io.numbers import whole_numbers
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.numbers import whole_numbers
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.writer import write_vtk

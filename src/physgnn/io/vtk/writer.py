@@ -12,7 +12,7 @@ import pyvista as pv
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
 from physgnn.errors import InputError
-from physgnn.io.atomic import whole_file
+from physgnn.io.integrity.atomic import whole_file
 
 WRITERS: Mapping[str, Any] = {
     ".vtp": vtkXMLPolyDataWriter,

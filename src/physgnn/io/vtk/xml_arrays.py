@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from physgnn.errors import InputError
-from physgnn.io.limits import check_size
+from physgnn.io.untrusted.limits import check_size
 
 Array = np.ndarray[Any, Any]
 TYPES = {

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from physgnn.errors import InputError
-from physgnn.io.text import read_bytes
+from physgnn.io.untrusted.text import read_bytes
+from physgnn.io.untrusted.xml_tree import parsed
 from physgnn.io.vtk.data import Array, VtkData
 from physgnn.io.vtk.xml_arrays import (
     BYTE_ORDERS,
@@ -19,7 +20,6 @@ from physgnn.io.vtk.xml_arrays import (
     ArrayReader,
     OtherFeatureError,
 )
-from physgnn.io.xml_tree import parsed
 
 APPENDED = re.compile(rb"<AppendedData\b[^>]*>")
 WORDS = {"UInt32": "u4", "UInt64": "u8"}

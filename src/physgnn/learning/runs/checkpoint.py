@@ -12,7 +12,7 @@ from safetensors.numpy import load_file, save
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
-from physgnn.io.digest import Manifest
+from physgnn.io.integrity.digest import Manifest
 from physgnn.learning.models import build_model
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.parts import (

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from physgnn.io.atomic import write_whole
+from physgnn.io.integrity.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.record import processor_minutes, read_json
 

@@ -12,7 +12,7 @@ import torch
 from torch import Tensor, nn
 
 from physgnn.errors import InputError
-from physgnn.io.atomic import whole_file
+from physgnn.io.integrity.atomic import whole_file
 from physgnn.learning.graph import Graph, graph_of
 from physgnn.learning.physgnn.convolution import Convolution
 from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge

@@ -17,8 +17,8 @@ from functools import cache
 from pathlib import Path
 
 from physgnn.errors import InputError
-from physgnn.io.atomic import whole_file, write_whole
-from physgnn.io.digest import Manifest, digest_of_file, without_digest
+from physgnn.io.integrity.atomic import whole_file, write_whole
+from physgnn.io.integrity.digest import Manifest, digest_of_file, without_digest
 from physgnn.learning.runs.folder import RunFolder
 
 Writer = Callable[[Path], object]

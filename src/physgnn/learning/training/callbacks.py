@@ -13,7 +13,7 @@ import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
 from lightning.pytorch.callbacks import Checkpoint
 
-from physgnn.io.atomic import whole_file, write_whole
+from physgnn.io.integrity.atomic import whole_file, write_whole
 from physgnn.learning.training.budget import Budget
 from physgnn.learning.training.lightning_module import TRAINING_LOSS, VALIDATION_LOSS
 from physgnn.progress import Progress

@@ -15,9 +15,9 @@ from physgnn.errors import InputError
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.budget import Budget
 from physgnn.learning.training.callbacks import KeepState
-from physgnn.learning.training.interruption import SignalsAsBefore
 from physgnn.learning.training.lightning_module import VALIDATION_LOSS
-from physgnn.learning.training.random_states import RandomState
+from physgnn.learning.training.resumption.interruption import SignalsAsBefore
+from physgnn.learning.training.resumption.random_states import RandomState
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from physgnn.learning.graph import graph_of
 from physgnn.learning.network import Network
 from physgnn.learning.physgnn.dropout import seed_dropout
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.losses import LOSSES
-from physgnn.learning.training.multi_mesh import MeshBatch as Batch
+from physgnn.learning.training.objective.losses import LOSSES
+from physgnn.learning.training.samples.multi_mesh import MeshBatch as Batch
 
 VALIDATION_LOSS = "validation_loss"
 TRAINING_LOSS = "training_loss"

@@ -27,16 +27,21 @@ from physgnn.learning.runs.record import (
     with_result,
     with_start,
 )
-from physgnn.learning.training.batches import Samples, Share
 from physgnn.learning.training.budget import Budget
 from physgnn.learning.training.callbacks import KeepBest, MetricsFile, ProgressReport
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.devices import Machine, make_trainer, quiet
-from physgnn.learning.training.interruption import ending_at_signals, ending_together
 from physgnn.learning.training.lightning_module import TrainingModule
-from physgnn.learning.training.losses import LOSSES
-from physgnn.learning.training.memory import samples_at_once
-from physgnn.learning.training.multi_mesh import (
+from physgnn.learning.training.objective.losses import LOSSES
+from physgnn.learning.training.resumption.interruption import (
+    ending_at_signals,
+    ending_together,
+)
+from physgnn.learning.training.resumption.random_states import seeded
+from physgnn.learning.training.resumption.resuming import find_state, prepare
+from physgnn.learning.training.samples.batches import Samples, Share
+from physgnn.learning.training.samples.memory import samples_at_once
+from physgnn.learning.training.samples.multi_mesh import (
     Splits,
     Stores,
     TrainingMesh,
@@ -46,9 +51,7 @@ from physgnn.learning.training.multi_mesh import (
     training_meshes,
     validation_batches,
 )
-from physgnn.learning.training.random_states import seeded
-from physgnn.learning.training.resuming import find_state, prepare
-from physgnn.learning.training.sample_cache import SampleCache
+from physgnn.learning.training.samples.sample_cache import SampleCache
 from physgnn.learning.training.schedules import SCHEDULES
 from physgnn.progress import Progress
 

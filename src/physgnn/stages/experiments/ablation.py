@@ -12,7 +12,7 @@ import numpy as np
 from physgnn.dataset import Split, Store, named_split
 from physgnn.errors import InputError
 from physgnn.evaluation.report.ablation_chart import Point, draw_ablation
-from physgnn.io.atomic import write_whole
+from physgnn.io.integrity.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.training_run import train

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from physgnn.dataset import Store
 from physgnn.io import write_load_case
-from physgnn.io.atomic import whole_file
+from physgnn.io.integrity.atomic import whole_file
 from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.experiments.pipeline import Pipeline
 from physgnn.stages.experiments.recipe import RUN, SPLIT, Recipe

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from physgnn.choices import Clock
 from physgnn.errors import InputError
-from physgnn.io.atomic import write_whole
+from physgnn.io.integrity.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.experiments.pipeline import Pipeline

@@ -84,7 +84,7 @@ def mesh(
     """
     from physgnn.config import read_point_sets
     from physgnn.io import write_mesh
-    from physgnn.io.atomic import check_folder
+    from physgnn.io.integrity.atomic import check_folder
     from physgnn.stages.patient.segmentation import mesh_segmentation
 
     check_folder(Path(out))

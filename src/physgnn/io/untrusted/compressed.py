@@ -2,7 +2,7 @@
 
 Readers that stop when they have what they want never reach the checksum, which stands
 at the end: a flipped bit is then another label. So everything is unpacked here whole,
-within the bounds of `physgnn.io.limits`, before anybody parses it.
+within the bounds of `physgnn.io.untrusted.limits`, before anybody parses it.
 """
 
 import gzip
@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from physgnn.errors import InputError
-from physgnn.io.input_errors import reading
-from physgnn.io.limits import allowed_bytes, check_size
-from physgnn.io.text import read_bytes
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.limits import allowed_bytes, check_size
+from physgnn.io.untrusted.text import read_bytes
 
 GZIP_MARK = b"\x1f\x8b"
 CHUNK = 1 << 22

@@ -15,7 +15,12 @@ from physgnn.learning.physgnn.model import PhysGNNModel
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.training import training_run as training
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.memory import PEAK, kept_bytes, measure, samples_at_once
+from physgnn.learning.training.samples.memory import (
+    PEAK,
+    kept_bytes,
+    measure,
+    samples_at_once,
+)
 from physgnn.learning.training.training_run import train
 
 

@@ -2,7 +2,7 @@ from itertools import chain
 
 import pytest
 
-from physgnn.learning.training.batches import EpochOrder, Share
+from physgnn.learning.training.samples.batches import EpochOrder, Share
 
 
 @pytest.mark.parametrize("processes", [1, 2, 3])

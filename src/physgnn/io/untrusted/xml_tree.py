@@ -4,8 +4,8 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 from physgnn.errors import InputError
-from physgnn.io.input_errors import reading
-from physgnn.io.text import read_bytes
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.text import read_bytes
 
 ENCODINGS = ("utf-8", "utf-16-le", "utf-16-be")
 

@@ -6,8 +6,8 @@ import torch
 
 from physgnn.dataset.storage.store import Store
 from physgnn.learning.models import build_model
-from physgnn.learning.training.batches import Samples
-from physgnn.learning.training.sample_cache import SampleCache
+from physgnn.learning.training.samples.batches import Samples
+from physgnn.learning.training.samples.sample_cache import SampleCache
 
 VALUES = torch.arange(12.0).reshape(4, 3)
 

@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from physgnn.learning.training.losses import LOSSES
+from physgnn.learning.training.objective.losses import LOSSES
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.learning.training.volume_penalty import SMALLEST, VolumePenalty
+from physgnn.learning.training.objective.volume_penalty import SMALLEST, VolumePenalty
 from physgnn.mechanics import deformation_gradient
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.io.input_errors import reading
-from physgnn.io.numbers import real_numbers, whole_numbers
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.numbers import real_numbers, whole_numbers
 
 
 @pytest.mark.parametrize(

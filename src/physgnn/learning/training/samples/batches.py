@@ -11,7 +11,7 @@ from torch.utils.data import Dataset, Sampler
 from physgnn.arrays import IntArray
 from physgnn.dataset.storage.store import Store
 from physgnn.learning.network import Network
-from physgnn.learning.training.sample_cache import SampleCache
+from physgnn.learning.training.samples.sample_cache import SampleCache
 
 Batch = tuple[Tensor, Tensor]
 

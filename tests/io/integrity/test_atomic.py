@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physgnn.errors import InputError
-from physgnn.io.atomic import whole_file, whole_folder, write_whole
+from physgnn.io.integrity.atomic import whole_file, whole_folder, write_whole
 
 
 def test_success_replaces_the_file(tmp_path: Path) -> None:

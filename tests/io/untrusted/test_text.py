@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.io.text import read_bytes, read_json, read_text, read_toml_text
+from physgnn.io.untrusted.text import read_bytes, read_json, read_text, read_toml_text
 
 TEXT = 'name = "Gliom é ⚕"\r\n'
 

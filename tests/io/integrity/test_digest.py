@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.io.digest import Manifest, digest_of, digest_of_file
+from physgnn.io.integrity.digest import Manifest, digest_of, digest_of_file
 
 REMEDY = "make it again"
 

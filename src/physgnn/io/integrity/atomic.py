@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from physgnn.errors import InputError
-from physgnn.io.completeness import what_is_missing
+from physgnn.io.integrity.completeness import what_is_missing
 
 
 def check_folder(path: Path) -> None:

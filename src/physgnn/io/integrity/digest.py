@@ -15,7 +15,7 @@ from typing import Any, Self
 import numpy as np
 
 from physgnn.errors import InputError
-from physgnn.io.atomic import write_whole
+from physgnn.io.integrity.atomic import write_whole
 
 Part = np.ndarray[Any, Any] | str | Mapping[str, Any]
 

@@ -11,10 +11,10 @@ import pytest
 from physgnn.errors import InputError
 from physgnn.geometry.image import LabelVolume
 from physgnn.io import read_mesh, read_surface
-from physgnn.io.compressed import read_npz, read_unpacked
 from physgnn.io.febio.model_reader import read_febio
-from physgnn.io.limits import VARIABLE, allowed_bytes, check_size
 from physgnn.io.medical.nifti import read_image, write_image
+from physgnn.io.untrusted.compressed import read_npz, read_unpacked
+from physgnn.io.untrusted.limits import VARIABLE, allowed_bytes, check_size
 
 
 def test_a_user_can_raise_the_bound(

@@ -15,9 +15,9 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.lifted.model import LiftedModel
 from physgnn.learning.runs.checkpoint import Checkpoint
-from physgnn.learning.training.batches import Share
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.multi_mesh import (
+from physgnn.learning.training.samples.batches import Share
+from physgnn.learning.training.samples.multi_mesh import (
     MixedOrder,
     build_models,
     in_order,

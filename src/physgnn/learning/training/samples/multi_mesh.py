@@ -17,9 +17,9 @@ from physgnn.errors import InputError
 from physgnn.learning.models import build_model
 from physgnn.learning.network import Network
 from physgnn.learning.surrogate import Surrogate
-from physgnn.learning.training.batches import ALONE, EpochOrder, Samples, Share
 from physgnn.learning.training.config import TrainingConfig
-from physgnn.learning.training.sample_cache import SampleCache
+from physgnn.learning.training.samples.batches import ALONE, EpochOrder, Samples, Share
+from physgnn.learning.training.samples.sample_cache import SampleCache
 
 Stores = Store | Sequence[Store]
 Splits = Split | Sequence[Split]

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from physgnn.errors import InputError
-from physgnn.io.input_errors import reading
-from physgnn.io.limits import check_size
+from physgnn.io.untrusted.input_errors import reading
+from physgnn.io.untrusted.limits import check_size
 
 # UTF-32's little-endian mark begins with that of UTF-16
 MARKS = (
