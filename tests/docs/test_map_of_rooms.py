@@ -12,11 +12,12 @@ CONTRIBUTING = Path(__file__).parents[2] / "CONTRIBUTING.md"
 def folders_on_the_map() -> list[str]:
     text = CONTRIBUTING.read_text("utf-8").split("## Map of the rooms")[1]
     lines = text.split("```text")[1].split("```")[0].splitlines()
-    found, folder = [], ""
+    found: list[str] = []
+    above: list[str] = []
     for line in lines:
-        if named := re.match(r"( {0,2})(\w+)/ ", line):
-            folder = named[2] if not named[1] else folder
-            found.append(f"{folder}/{named[2]}" if named[1] else folder)
+        if named := re.match(r"((?:  )*)(\w+)/ ", line):
+            above = [*above[: len(named[1]) // 2], named[2]]
+            found.append("/".join(above))
     return found
 
 
