@@ -66,11 +66,16 @@ def evaluate(
             precision=precision,
             progress=move,
         )
-    from physgnn.evaluation.report.tables import accuracy_table
+    from physgnn.evaluation.report.tables import accuracy_table, gentle_table
+    from physgnn.evaluation.report.verdict import linear_warning
     from physgnn.learning.runs.folder import EvaluationFolder, RunFolder
 
     made = EvaluationFolder(out) if out else RunFolder(runs[-1]).evaluation(split)
+    if warning := linear_warning(report):
+        print(f"{warning}\n")
     print(accuracy_table(report).text())
+    if gentle := gentle_table(report):
+        print(f"\n{gentle.text()}")
     print(f"\nreport: {made.report}")
 
 

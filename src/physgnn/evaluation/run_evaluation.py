@@ -18,6 +18,7 @@ from physgnn.evaluation.measure.coverage import (
     measure_bars,
     write_bars,
 )
+from physgnn.evaluation.measure.gentle_loads import find_gentle_loads
 from physgnn.evaluation.measure.held_out import HeldOut, check_unseen
 from physgnn.evaluation.measure.measuring import evaluate
 from physgnn.evaluation.measure.result import Report
@@ -156,6 +157,7 @@ def _facts(
         "time": time_facts(store, solver_seconds, model_seconds),
         "provenance": provenance_facts(store, checkpoint, command),
         "solver_seconds": solver_seconds,
+        "gentle_loads": find_gentle_loads(store, held_out.test).to_json(),
     }
 
 

@@ -14,6 +14,8 @@ from physgnn.learning.models import MODELS, is_model, method_name, method_option
 class TrainingConfig:
     """How to train; the defaults are the published values (dataset 2).
 
+    `physgnn.config.read_training`, and so the command, takes another model by default.
+
     Parameters
     ----------
     model : str
