@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from physgnn.stages import ablate as ablate
     from physgnn.stages import adapt as adapt
     from physgnn.stages import anatomies as anatomies
+    from physgnn.stages import batch as batch
     from physgnn.stages import bundle as bundle
     from physgnn.stages import demo as demo
     from physgnn.stages import evaluate as evaluate
@@ -82,6 +83,7 @@ _HOME = {
     "ablate": "stages",
     "adapt": "stages",
     "anatomies": "stages",
+    "batch": "stages",
     "bundle": "stages",
     "demo": "stages",
     "evaluate": "stages",

@@ -79,3 +79,19 @@ def test_a_family_has_members(
 ) -> None:
     fails("anatomies", "--count", 0, "-o", tmp_path)
     assert "count must be ≥ 1" in capsys.readouterr().err
+
+
+def test_a_batch_says_who_failed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, out = tmp_path / "patients.csv", tmp_path / "out"
+    table.write_text("name,case,points\nAnna,no.vtu,a.csv\nBo,,b.csv\n")
+    with pytest.raises(AssertionError, match="3"):
+        run("batch", table, "-o", out)
+    told = capsys.readouterr()
+    assert f"Anna  failed: mesh: case: there is no {tmp_path / 'no.vtu'}" in told.out
+    assert "0 of 2 patients ok" in told.out
+    assert "Anna: failed: mesh" in told.err
+    table.write_text("name,colour\nAnna,red\n")
+    fails("batch", table, "-o", out)
+    assert "unknown column 'colour'" in capsys.readouterr().err

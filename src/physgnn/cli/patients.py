@@ -1,12 +1,13 @@
 """Commands for patients no network has seen: a family to learn from, and use."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from physgnn import stages
-from physgnn.cli.console import progress, working
+from physgnn.cli.console import NOT_USABLE, progress, say, working
 from physgnn.cli.options import LoadsOption, OutFolder, PresetOption
 
 
@@ -48,3 +49,44 @@ def adapt(
         else f"error bounds that hold for {100 * made.coverage:.0f} % of new patients"
     )
     print(f"{out}: {made.n_points} points, {made.seconds:.1f} s, {bound}")
+
+
+def batch(
+    patients: Annotated[
+        Path,
+        typer.Argument(
+            help="A table, CSV: a row for each patient, a column for its name and for "
+            "each option of the stages."
+        ),
+    ],
+    out: OutFolder,
+) -> None:
+    """Take many patients through mesh, adapt, predict or register, and warp.
+
+    Call it again to resume. The exit code is 3 if a patient failed or is not ok.
+    """
+    with progress("batch") as move:
+        results = stages.batch(patients, out, progress=move, log=say)
+    width = max(len(result.name) for result in results)
+    for result in results:
+        why = f": {result.step}: {result.reason}" if result.outcome != "ok" else ""
+        print(f"{result.name:{width}}  {result.outcome}{why}{_figures(result.figures)}")
+    good = sum(result.outcome == "ok" for result in results)
+    print(f"{out / 'results.csv'}: {good} of {len(results)} patients ok")
+    if good < len(results):
+        raise typer.Exit(NOT_USABLE)
+
+
+def _figures(figures: Mapping[str, Any]) -> str:
+    """Return the numbers of a patient in a few words."""
+    shown = {
+        "points": "{} points",
+        "largest_mm": "moves by {} mm",
+        "bound_max_mm": "error at most {} mm",
+    }
+    parts = [
+        text.format(figures[name])
+        for name, text in shown.items()
+        if figures.get(name) is not None
+    ]
+    return f"; {', '.join(parts)}" if parts else ""

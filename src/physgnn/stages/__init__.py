@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from physgnn.stages.cohort.batching import batch as batch
     from physgnn.stages.datasets.exchange import export as export
     from physgnn.stages.datasets.exchange import import_results as import_results
     from physgnn.stages.datasets.simulation import simulate as simulate
@@ -37,6 +38,7 @@ _HOME = {
     "ablate": "experiments.ablation",
     "adapt": "patient.adaptation",
     "anatomies": "datasets.synthetic_patients",
+    "batch": "cohort.batching",
     "bundle": "experiments.bundling",
     "demo": "experiments.demonstration",
     "evaluate": "networks.evaluation",
