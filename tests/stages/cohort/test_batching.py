@@ -18,7 +18,7 @@ from physgnn.io import read_mesh, write_mesh
 from physgnn.io.medical.nifti import write_image
 from physgnn.stages import batch
 from physgnn.stages.cohort.running import PatientResult
-from physgnn.stages.cohort.steps import steps
+from physgnn.stages.cohort.step_table import steps
 
 COLUMNS = "name,case,points,noise_mm,image,interpolation\n"
 

@@ -7,7 +7,7 @@ import pytest
 from physgnn.errors import InputError
 from physgnn.stages.cohort.columns import columns_of, find_column
 from physgnn.stages.cohort.patient_table import read_patients
-from physgnn.stages.cohort.steps import steps
+from physgnn.stages.cohort.step_table import steps
 
 
 def table(folder: Path, text: str) -> Path:

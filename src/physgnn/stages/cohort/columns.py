@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from physgnn import stages
 from physgnn.errors import InputError
-from physgnn.stages.cohort.steps import Step
+from physgnn.stages.cohort.step_table import Step
 
 NAME = "name"
 CASE = "case"

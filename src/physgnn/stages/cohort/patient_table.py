@@ -10,7 +10,7 @@ from physgnn.errors import InputError
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.text import read_text
 from physgnn.stages.cohort.columns import CASE, NAME, columns_of, find_column
-from physgnn.stages.cohort.steps import steps
+from physgnn.stages.cohort.step_table import steps
 
 RESULTS = "results.csv"
 # A name becomes a folder, on every system.

@@ -14,8 +14,8 @@ from typing import Any
 from physgnn.io.integrity.atomic import write_whole
 from physgnn.io.integrity.digest import digest_of, digest_of_file
 from physgnn.learning.runs.folder import RunFolder
-from physgnn.stages.cohort.plan import Call
-from physgnn.stages.cohort.steps import Figures
+from physgnn.stages.cohort.planning import Call
+from physgnn.stages.cohort.step_table import Figures
 
 FORMAT, VERSION = "physgnn-patient", 1
 FILE = "patient.json"

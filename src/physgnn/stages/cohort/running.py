@@ -13,9 +13,9 @@ from physgnn import stages
 from physgnn.errors import InputError
 from physgnn.io.integrity.atomic import write_whole
 from physgnn.stages.cohort.patient_table import Patient
-from physgnn.stages.cohort.plan import Call, StepError, plan
+from physgnn.stages.cohort.planning import Call, StepError, plan
 from physgnn.stages.cohort.record import PatientRecord
-from physgnn.stages.cohort.steps import NOT_OK, REASONS, Figures
+from physgnn.stages.cohort.step_table import NOT_OK, REASONS, Figures
 
 LOG = "log.txt"
 Outcome = Literal["ok", "not ok", "failed"]

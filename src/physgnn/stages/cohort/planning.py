@@ -10,7 +10,7 @@ from physgnn import stages
 from physgnn.errors import InputError
 from physgnn.stages.cohort.columns import CASE, OptionColumn, columns_of
 from physgnn.stages.cohort.patient_table import Patient
-from physgnn.stages.cohort.steps import Step, steps
+from physgnn.stages.cohort.step_table import Step, steps
 
 
 @dataclass(frozen=True)
