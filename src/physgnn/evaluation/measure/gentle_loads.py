@@ -68,7 +68,7 @@ def find_gentle_loads(store: Store, samples: IntArray) -> GentleLoads:
 
 
 def mean_over(loads: GentleLoads, figure: str) -> Callable[[ModelErrors], float | None]:
-    """Return what gives a model's mean of a field of `SampleError` at gentle loads."""
+    """Return what gives a model's mean of a field of a sample at gentle loads."""
 
     def mean(model: ModelErrors) -> float | None:
         gentle = [s for s in model.samples if (s.path, s.level) in loads.samples]
