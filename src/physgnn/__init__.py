@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from physgnn.stages import reproduce as reproduce
     from physgnn.stages import selftest as selftest
     from physgnn.stages import simulate as simulate
+    from physgnn.stages import slicer as slicer
     from physgnn.stages import train as train
     from physgnn.stages import view as view
     from physgnn.stages import warp as warp
@@ -97,6 +98,7 @@ _HOME = {
     "reproduce": "stages",
     "selftest": "stages",
     "simulate": "stages",
+    "slicer": "stages",
     "train": "stages",
     "view": "stages",
     "warp": "stages",

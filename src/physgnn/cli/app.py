@@ -44,6 +44,7 @@ app.command()(patients.batch)
 app.command()(images.warp)
 app.command()(images.register)
 app.command()(viewing.view)
+app.command()(exchange.slicer)
 
 
 def run() -> int:

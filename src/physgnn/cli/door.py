@@ -15,17 +15,19 @@ from types import FrameType
 FAILED, WRONG_INPUT = 1, 2
 
 
-def main() -> None:
-    """Run the command line."""
+def main(module: str = "physgnn.cli.app") -> None:
+    """Run the command line, or another module that has a function ``run``."""
     _silence_other_ranks()
-    sys.exit(_code())
+    sys.exit(_code(module))
 
 
-def _code() -> int:
+def _code(module: str) -> int:
     _end_at_once_on_signals()
-    from physgnn import interrupts
-    from physgnn.cli.app import run
+    from importlib import import_module
 
+    from physgnn import interrupts
+
+    run = import_module(module).run
     interrupts.install()
     code = _guarded(run)
     number = interrupts.received()

@@ -84,3 +84,18 @@ def import_results(
         f"{out}: {store.n_paths} load paths of {store.n_levels} levels, "
         f"{len(store.samples())} levels converged"
     )
+
+
+def slicer(
+    out: Annotated[
+        Path, typer.Argument(help="The folder to write the modules to; it is made.")
+    ],
+) -> None:
+    """Write modules for 3D Slicer: segment, mesh, register, warp, predict."""
+    made = stages.slicer(out)
+    for launcher in made:
+        print(launcher)
+    print(
+        f"add {out.resolve()} to the module paths of 3D Slicer (Edit, Application "
+        "Settings, Modules) and restart it"
+    )

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from physgnn.stages.patient.registration import register as register
     from physgnn.stages.patient.viewing import view as view
     from physgnn.stages.patient.warping import warp as warp
+    from physgnn.stages.slicer_modules.launchers import slicer as slicer
 
 _HOME = {
     "ablate": "experiments.ablation",
@@ -52,6 +53,7 @@ _HOME = {
     "reproduce": "experiments.reproduction",
     "selftest": "experiments.installation",
     "simulate": "datasets.simulation",
+    "slicer": "slicer_modules.launchers",
     "train": "networks.training",
     "view": "patient.viewing",
     "warp": "patient.warping",
