@@ -263,38 +263,6 @@ def test_mesh_takes_a_label_map_and_a_craniotomy(
     assert np.linalg.norm(surfaces.points, axis=1).max() == pytest.approx(40, abs=4)
 
 
-@pytest.mark.parametrize(
-    ("name", "flags", "said"),
-    [
-        ("PhysGNNRegister", {"mesh": "no.vtu", "points": "a.fcsv"}, "name something"),
-        ("PhysGNNRegister", {"shift": "x.vtu", "noise_mm": "much"}, "must be double"),
-        (
-            "PhysGNNRegister",
-            {"shift": "x.vtu", "skull": "soft"},
-            "must be one of fixed",
-        ),
-        ("PhysGNNRegister", {"shift": "x.vtu", "mesh": "no.vtu"}, "give --points"),
-        ("PhysGNNPredict", {"shift": "x.vtu"}, "give a load file, or points to push"),
-        ("PhysGNNMesh", {"mesh": "x.vtu"}, "give a label map"),
-        ("PhysGNNWarp", {"labels": True, "image": True}, "nothing follows --image"),
-        ("PhysGNNWarp", {"colour": "red"}, "has no --colour"),
-    ],
-)
-def test_a_mistake_is_one_line_and_no_file(
-    launch: Launch,
-    tmp_path: Path,
-    name: str,
-    flags: dict[str, object],
-    said: str,
-) -> None:
-    _, printed = launch(name, code=2, **flags)
-    lines = [line for line in printed.splitlines() if line.startswith("physgnn: ")]
-    assert len(lines) == 1
-    assert said in lines[0]
-    assert "Traceback" not in printed
-    assert not (tmp_path / "x.vtu").exists()
-
-
 def test_what_failed_is_among_the_results(
     launch: Launch, block: tuple[Path, TetMesh], tmp_path: Path
 ) -> None:
