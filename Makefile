@@ -1,5 +1,5 @@
 # make setup   install into .venv           make demo    the whole job on a bundled brain
-# make test    everything that checks us    make bundled the model in the package
+# make test    everything that checks us    make bundled the models in the package
 # make docs    the site, in site/              make clean   remove what these made
 #
 # PYTHON picks the interpreter (3.11 to 3.13); PIP_FLAGS goes to pip, see README.md.
@@ -24,6 +24,7 @@ demo: setup
 
 bundled: setup
 	$(BIN)/physgnn bundle data/bundled
+	$(BIN)/physgnn bundle data/family --family
 
 docs: setup
 	DISABLE_MKDOCS_2_WARNING=true NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

@@ -74,6 +74,20 @@ def test_from_a_family_to_a_new_patient(
     assert "split mesh only" in capsys.readouterr().err
 
 
+def test_the_family_may_be_left_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "loads.toml").write_text(LOADS)
+    loads = ("--loads", tmp_path / "loads.toml")
+    case = write_patient(tmp_path / "case.vtu", 1.5)
+    run("adapt", case, *loads, "-o", tmp_path / "first")
+    run("adapt", "bundled-family", case, *loads, "-o", tmp_path / "second")
+    said = capsys.readouterr().out.splitlines()
+    assert [line.split(",")[0].split(": ")[1] for line in said] == ["64 points"] * 2
+    fails("adapt", *loads, "-o", tmp_path / "third")
+    assert "name the new patient's mesh" in capsys.readouterr().err
+
+
 def test_a_family_has_members(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

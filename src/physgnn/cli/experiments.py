@@ -153,9 +153,13 @@ def bundle(
             "package.",
         ),
     ] = None,
+    family: Annotated[
+        bool,
+        typer.Option("--family", help="Make the family run that adapt takes, instead."),
+    ] = False,
 ) -> None:
-    """Make the model that comes with the package; call it again to resume."""
-    print(stages.bundle(folder, out, show=progress, log=say))
+    """Make a model that comes with the package; call it again to resume."""
+    print(stages.bundle(folder, out, family=family, show=progress, log=say))
 
 
 def selftest() -> None:

@@ -9,6 +9,7 @@ import typer
 from physgnn import stages
 from physgnn.cli.console import NOT_USABLE, progress, say, working
 from physgnn.cli.options import LoadsOption, OutFolder, PresetOption
+from physgnn.errors import InputError
 
 
 def anatomies(
@@ -29,18 +30,26 @@ def anatomies(
 
 
 def adapt(
-    run: Annotated[
-        Path,
-        typer.Argument(
-            help="The folder of a lifted network trained with pod_modes = 0."
-        ),
-    ],
-    case: Annotated[Path, typer.Argument(help="The new patient's mesh, VTU.")],
     out: OutFolder,
+    run: Annotated[
+        Path | None,
+        typer.Argument(
+            help="The folder of a lifted network trained with pod_modes = 0; by "
+            "default, and as bundled-family, the one that comes with the package."
+        ),
+    ] = None,
+    case: Annotated[
+        Path | None,
+        typer.Argument(metavar="CASE", help="The new patient's mesh, VTU."),
+    ] = None,
     preset: PresetOption = None,
     loads: LoadsOption = None,
 ) -> None:
     """Make a trained network ready for a patient it never saw, in seconds."""
+    if case is None:  # the first of two arguments is the one that may be left out
+        run, case = None, run
+    if case is None:
+        raise InputError("name the new patient's mesh, VTU (see physgnn adapt --help)")
     with working("finding equilibria"):
         made = stages.adapt(run, case, out, preset=preset, loads=loads)
     bound = (

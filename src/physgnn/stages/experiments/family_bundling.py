@@ -18,7 +18,7 @@ from physgnn.learning.runs.folder import RunFolder
 from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.datasets.simulation import processes, simulate_mesh
 from physgnn.stages.datasets.synthetic_patients import anatomies
-from physgnn.stages.experiments.bundling import check_size, slim_copy
+from physgnn.stages.experiments.packaged_run import check_size, slim_copy
 from physgnn.stages.experiments.pipeline import can_resume
 from physgnn.stages.networks.training import train_run
 from physgnn.stages.patient.adaptation import adapt_run
