@@ -99,6 +99,9 @@ def test_a_family_is_made_and_measured(
     monkeypatch.setattr(family_bundling, "processes", lambda: 1)
     for drawing in ("draw_figures", "draw_bars"):  # of a brain
         monkeypatch.setattr(run_evaluation, drawing, lambda *_: ())
+    monkeypatch.setattr(
+        run_evaluation, "write_report", lambda *told: told[-1].write_text("a page")
+    )
     small = {"anchors": 2, "k_hops": 1, "width": 8, "layers": 1, "pod_modes": 0}
     settings = {**family_bundling.SETTINGS, "options": small, "max_epochs": 1}
     monkeypatch.setattr(family_bundling, "SETTINGS", settings)
