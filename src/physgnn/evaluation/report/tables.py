@@ -157,7 +157,7 @@ GENTLE: Mapping[str, tuple[str, Callable[[float], str]]] = {
     "tumour": ("tumour", mm),
     "displacement": ("mean_displacement", mm),
 }
-"""Column → figure of a `SampleError`, and how to write it."""
+"""Column → field of a sample's errors, and how to write it."""
 
 
 def gentle_table(report: Report) -> Table | None:

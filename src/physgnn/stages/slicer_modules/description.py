@@ -8,7 +8,7 @@ from physgnn.stages.slicer_modules.parameters import (
     RETURNED,
     Module,
     Parameter,
-    Result,
+    ReturnedValue,
 )
 
 CATEGORY = "PhysGNN"
@@ -44,7 +44,7 @@ def _group(
     label: str,
     description: str,
     parameters: Iterable[Parameter],
-    results: Iterable[Result] = (),
+    results: Iterable[ReturnedValue] = (),
 ) -> ET.Element:
     group = ET.SubElement(root, "parameters")
     ET.SubElement(group, "label").text = label
@@ -73,7 +73,7 @@ def _parameter(group: ET.Element, parameter: Parameter) -> None:
         ET.SubElement(made, "element").text = str(element)
 
 
-def _result(group: ET.Element, result: Result) -> None:
+def _result(group: ET.Element, result: ReturnedValue) -> None:
     made = ET.SubElement(group, "string")
     ET.SubElement(made, "name").text = result.name
     ET.SubElement(made, "label").text = result.label

@@ -5,15 +5,15 @@ The parameters of a row are arguments of its stage, but for what `jobs` translat
 
 from physgnn import choices, stages
 from physgnn.stages.slicer_modules import jobs
-from physgnn.stages.slicer_modules.parameters import Module, Parameter, Result
+from physgnn.stages.slicer_modules.parameters import Module, Parameter, ReturnedValue
 
 VOLUME, POINTS, MODEL = (".nii.gz",), (".fcsv",), (".vtp",)
 TRANSFORM, MESH = (".h5",), (".vtu",)
 LABELS = {"type": "label"}
 MARKUPS = {"coordinateSystem": "ras", "multiple": "true"}
-STATUS = Result(jobs.STATUS, "Status")
-REASON = Result(jobs.REASON, "Because")
-BOUND = Result("bound_mm", "Error at most, mm")
+STATUS = ReturnedValue(jobs.STATUS, "Status")
+REASON = ReturnedValue(jobs.REASON, "Because")
+BOUND = ReturnedValue("bound_mm", "Error at most, mm")
 
 CASE = Parameter(
     "file",
@@ -166,7 +166,7 @@ ROWS = (
                 extensions=MODEL,
             ),
         ),
-        (STATUS, Result("points", "Points")),
+        (STATUS, ReturnedValue("points", "Points")),
         jobs.mesh,
     ),
     Module(
@@ -222,8 +222,8 @@ ROWS = (
             STATUS,
             REASON,
             BOUND,
-            Result("misfit_mm", "Misfit, mm"),
-            Result("held_out_mm", "Misfit of points held out, mm"),
+            ReturnedValue("misfit_mm", "Misfit, mm"),
+            ReturnedValue("held_out_mm", "Misfit of points held out, mm"),
         ),
         jobs.register,
     ),

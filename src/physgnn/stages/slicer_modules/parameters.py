@@ -70,7 +70,7 @@ KINDS: Mapping[str, Callable[[str], Any]] = {
 
 
 @dataclass(frozen=True)
-class Result:
+class ReturnedValue:
     """A line of the file of return parameters; Slicer shows it in the form.
 
     Attributes
@@ -114,7 +114,7 @@ class Module:
     title, description : str
         For people.
     parameters : tuple of Parameter
-    results : tuple of Result
+    results : tuple of ReturnedValue
     run : callable
         Does a job and returns the values of `results`.
     """
@@ -124,7 +124,7 @@ class Module:
     title: str
     description: str
     parameters: tuple[Parameter, ...]
-    results: tuple[Result, ...]
+    results: tuple[ReturnedValue, ...]
     run: Callable[[Job], Mapping[str, Any]]
 
     @property
