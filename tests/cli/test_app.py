@@ -26,7 +26,7 @@ paths = 10
 levels = 2
 nodes_per_path = 3
 """
-TRAINING = "max_epochs = 2\nbatch_size = 4\n[options]\nwidth = 8\n"
+TRAINING = "model = 'physgnn'\nmax_epochs = 2\nbatch_size = 4\n[options]\nwidth = 8\n"
 
 STEPS = ("mesh", "simulate", "train", "evaluate", "predict")
 
