@@ -1,7 +1,10 @@
 """Gaussian process regression for all nodes (Tonutti et al. 2017)."""
 
-from physgnn.learning.classical.kernel_rows import KernelRows, gaussian_process
-from physgnn.learning.classical.nodal_learner import NodalLearner
+from physgnn.learning.classical.estimators.kernel_rows import (
+    KernelRows,
+    gaussian_process,
+)
+from physgnn.learning.classical.learners.nodal_learner import NodalLearner
 from physgnn.mechanics.body import Body
 
 

@@ -1,7 +1,7 @@
 """Linear regression for all nodes (Lorente et al. 2017)."""
 
-from physgnn.learning.classical.linear_rows import LinearRows
-from physgnn.learning.classical.nodal_learner import NodalLearner
+from physgnn.learning.classical.estimators.linear_rows import LinearRows
+from physgnn.learning.classical.learners.nodal_learner import NodalLearner
 from physgnn.mechanics.body import Body
 
 

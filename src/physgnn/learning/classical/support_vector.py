@@ -2,8 +2,11 @@
 
 from functools import partial
 
-from physgnn.learning.classical.kernel_rows import KernelRows, support_vectors
-from physgnn.learning.classical.nodal_learner import NodalLearner
+from physgnn.learning.classical.estimators.kernel_rows import (
+    KernelRows,
+    support_vectors,
+)
+from physgnn.learning.classical.learners.nodal_learner import NodalLearner
 from physgnn.mechanics.body import Body
 
 

@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.learning.classical.estimator import Rows
+from physgnn.learning.classical.estimators.estimator import Rows
 from physgnn.learning.surrogate import Arrays
 
 
@@ -66,5 +66,4 @@ class Scaling:
     @classmethod
     def restored(cls, arrays: Arrays) -> Self:
         """Return the scaling that `arrays` wrote down."""
-        names = ("middle", "width", "mean")
-        return cls(*(arrays[name] for name in names), arrays["unit"][0])
+        return cls(arrays["middle"], arrays["width"], arrays["mean"], arrays["unit"][0])

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
 
-from physgnn.learning.classical.estimator import Rows
-from physgnn.learning.classical.scaling import Scaling
+from physgnn.learning.classical.estimators.estimator import Rows
+from physgnn.learning.classical.estimators.scaling import Scaling
 from physgnn.learning.surrogate import Arrays
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
 
 from physgnn.arrays import FloatArray
-from physgnn.learning.classical.estimator import Rows
+from physgnn.learning.classical.estimators.estimator import Rows
 from physgnn.learning.surrogate import Arrays
 
 LEAF = -1

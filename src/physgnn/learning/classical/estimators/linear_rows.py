@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.linear_model import Ridge
 
-from physgnn.learning.classical.estimator import Rows
-from physgnn.learning.classical.scaling import Scaling
+from physgnn.learning.classical.estimators.estimator import Rows
+from physgnn.learning.classical.estimators.scaling import Scaling
 from physgnn.learning.surrogate import Arrays
 
 

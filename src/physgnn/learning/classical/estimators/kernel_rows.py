@@ -1,5 +1,6 @@
 """Learners that weigh rows they have seen by their distance, scikit-learn's."""
 
+import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -7,20 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial.distance import cdist
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, WhiteKernel
 from sklearn.svm import SVR
 
 from physgnn.arrays import FloatArray
-from physgnn.learning.classical.estimator import Rows
-from physgnn.learning.classical.scaling import Scaling
+from physgnn.learning.classical.estimators.estimator import Rows
+from physgnn.learning.classical.estimators.scaling import Scaling
 from physgnn.learning.surrogate import Arrays
 
 AT_ONCE = 4096  # rows whose distances are in memory together
 FOR_LENGTH = 500  # rows from which a Gaussian process takes length and noise
 
 Weighed = tuple[FloatArray, FloatArray, FloatArray, float]
-"""Rows kept (m, n_inputs), weights (m, n_targets), constants (n_targets,), 1 / 2ℓ²."""
+"""Rows kept (m, n_inputs), weights (m, n_targets), constants (n_targets,), gamma."""
 
 
 class KernelRows:
@@ -130,7 +132,9 @@ def gaussian_process(
     process = GaussianProcessRegressor(
         RBF(np.sqrt(inputs.shape[1]), (1e-1, 1e3)) + WhiteKernel(1e-2, (1e-6, 1e1))
     )
-    process.fit(inputs[few], targets[few])
+    with warnings.catch_warnings():  # a bound on the noise is a choice, not a failure
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        process.fit(inputs[few], targets[few])
     found: Mapping[str, Any] = process.kernel_.get_params()
     length, noise = found["k1__length_scale"], found["k2__noise_level"]
     gamma = float(0.5 / length**2)
