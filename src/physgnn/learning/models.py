@@ -34,6 +34,10 @@ MODELS: Mapping[str, str] = {
     "galerkin": "physgnn.learning.reduced_order.pod_galerkin:GalerkinModel",
     "reduced": "physgnn.learning.reduced_order.local_expansion:ReducedModel",
     "finite-element": "physgnn.learning.baselines.finite_element:FiniteElement",
+    "meshgraphnet": (
+        "physgnn.learning.mesh_networks.meshgraphnet_model:MeshGraphNetModel"
+    ),
+    "transolver": "physgnn.learning.mesh_networks.transolver_model:TransolverModel",
     "lifted": "physgnn.learning.lifted.model:LiftedModel",
     "physgnn": "physgnn.learning.physgnn.model:PhysGNNModel",
 }

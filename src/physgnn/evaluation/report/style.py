@@ -24,6 +24,8 @@ LABELS_AND_COLOURS = {
     "pod-network": ("POD + small network", "#b5651d"),
     "extra-trees": ("Extremely random trees", "#6f9a37"),
     "mlp": ("Network per node", "#3fa7c9"),
+    "meshgraphnet": ("MeshGraphNets", "#4b8f9c"),
+    "transolver": ("Transolver", "#9c4b8f"),
     "physgnn": ("PhysGNN", "#2f7fd6"),
     "lifted": ("Lifted network", "#0f9d7e"),
     "reduced": ("Reduced model", "#c2a500"),
