@@ -78,9 +78,7 @@ def test_short_memory_changes_no_gradient(block: TetMesh) -> None:
     for spare in (False, True):
         network.spare_memory = spare
         network.zero_grad()
-        network(
-            inputs, edge_inputs(block.points, graph), graph
-        ).square().sum().backward()
+        network(inputs, edges, graph).square().sum().backward()
         gradients.append([weight.grad.clone() for weight in network.parameters()])
     for kept, again in zip(*gradients, strict=True):
         torch.testing.assert_close(kept, again)
