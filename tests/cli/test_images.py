@@ -13,7 +13,7 @@ from physgnn.cli import main
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.meshing import tetgen_process
 from physgnn.io import read_mesh, write_mesh
-from physgnn.io.medical.nifti import read_image, write_image
+from physgnn.io.medical.images.formats import read_image, write_image
 
 
 def run(*words: object, code: int = 0) -> None:

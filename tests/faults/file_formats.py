@@ -21,9 +21,9 @@ from physgnn.io.array_files import read_arrays, write_arrays
 from physgnn.io.febio.log import read_febio_log
 from physgnn.io.febio.model_reader import read_febio
 from physgnn.io.febio.model_writer import write_febio
+from physgnn.io.medical.images.formats import read_image, read_segmentation, write_image
 from physgnn.io.medical.markups import read_point_pairs
 from physgnn.io.medical.measured_surface import read_surface_points
-from physgnn.io.medical.nifti import read_image, read_segmentation, write_image
 from physgnn.io.simulation import Simulation, solution_of
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.io.vtk.reader import read_vtk

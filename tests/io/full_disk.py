@@ -24,7 +24,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_load_case, write_mesh
 from physgnn.io.integrity.atomic import whole_file, write_whole
-from physgnn.io.medical.nifti import save_nifti
+from physgnn.io.medical.images.nifti import save_nifti
 from physgnn.io.medical.transforms import save_transform
 from physgnn.io.vtk.prediction_file import write_deformed
 from physgnn.io.vtk.vtu import write_prediction

@@ -11,7 +11,7 @@ from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.meshing import tetgen_process
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh, write_prediction
-from physgnn.io.medical.nifti import read_image, read_segmentation, write_image
+from physgnn.io.medical.images.formats import read_image, read_segmentation, write_image
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.stages.patient.meshing import mesh
 from physgnn.stages.patient.registration import register

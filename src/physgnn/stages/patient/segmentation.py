@@ -29,7 +29,7 @@ from physgnn.geometry.segmentation.label_tables import (
 from physgnn.geometry.segmentation.ventricles import with_ventricles
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging import deformed_labels
-from physgnn.io.medical.nifti import read_image, read_segmentation
+from physgnn.io.medical.images.formats import read_image, read_segmentation
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log
 from physgnn.stages.patient.meshing import mesh_surfaces

@@ -17,7 +17,7 @@ from physgnn.imaging import (
 from physgnn.imaging import warp as warped
 from physgnn.imaging.slices import middle_of_shift
 from physgnn.io.integrity.atomic import whole_file
-from physgnn.io.medical.nifti import read_image, read_segmentation, write_image
+from physgnn.io.medical.images.formats import read_image, read_segmentation, write_image
 from physgnn.io.medical.transforms import write_field
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.progress import Log, no_log
