@@ -110,7 +110,7 @@ def read_image(
     """
     path = Path(path)
     with reading(path, format_of(path).what):
-        voxels = _voxels(path, ReadOptions(affine, series, log))
+        voxels = read_voxels(path, ReadOptions(affine, series, log))
         if voxels.segments and voxels.data.ndim > AXES:
             raise InputError(
                 "this is a segmentation in layers, not an image: give the image"
@@ -139,7 +139,9 @@ def read_segmentation(
     """
     path = Path(path)
     with reading(path, format_of(path).what):
-        return label_volume(path, _voxels(path, ReadOptions(affine, series, log)), log)
+        return label_volume(
+            path, read_voxels(path, ReadOptions(affine, series, log)), log
+        )
 
 
 def write_image(path: str | Path, image: Image, *, note: str = "") -> None:
@@ -235,13 +237,22 @@ def _is_dicom(path: Path) -> bool:
         return file.read(132)[128:] == b"DICM"
 
 
-def _voxels(path: Path, options: ReadOptions) -> Voxels:
-    """Return three axes of finite numbers, or four of a segmentation in layers."""
+def read_voxels(path: Path, options: ReadOptions) -> Voxels:
+    """Return three axes of finite numbers, or four of a segmentation in layers.
+
+    Unlike those of `read_image`, the voxel axes need not be at right angles.
+
+    Raises
+    ------
+    InputError
+        As `read_image`.
+    """
     form = format_of(path)
     if options.series is not None and form is not _DICOM:
         raise InputError("only a folder of DICOM has series: leave --series out")
-    voxels = form.read(path, options)
-    data = voxels.data
-    if not (voxels.segments and data.ndim > AXES):
-        data = three_axes(data)
-    return Voxels(finite_native(data), voxels.affine, voxels.segments)
+    with reading(path, form.what):
+        voxels = form.read(path, options)
+        data = voxels.data
+        if not (voxels.segments and data.ndim > AXES):
+            data = three_axes(data)
+        return Voxels(finite_native(data), voxels.affine, voxels.segments)
