@@ -92,7 +92,7 @@ def test_a_measured_surface_becomes_a_deformed_label_map(
         (("--points", "m.csv", "--surface", "m.csv", "-o", "o.vtu"), "or --surface"),
         (("-o", "o.vtu"), "give --points"),
         (("--points", "m.csv", "-o", "o.stl"), "written as .vtu"),
-        (("--surface", "m.csv", "-o", "o.vtu"), "must be 3 numbers"),
+        (("--surface", "m.csv", "-o", "o.vtu"), "both ends of pairs"),
         (
             ("--points", "m.csv", "--skull", "loose", "-o", "o.vtu"),
             "'fixed', 'sliding'",

@@ -66,9 +66,10 @@ def read_point_pairs(
             _check_one_end(Path(target), others)
             lists = [*lists[:1], *others[:1]]
         if len(lists) != 2:
+            one, _ = BOTH_ENDS.get(path.suffix.lower(), (f"has {len(lists)}", ""))
             raise InputError(
-                f"needs two lists of points, source and target (has {_said(path, lists)}"
-                "): give the file of the targets too, as --target"
+                f"needs two lists of points, source and target ({one}): give the file "
+                "of the targets too, as --target"
             )
         source, moved, lines = paired(*lists)
         for line in lines:
@@ -119,15 +120,11 @@ def _lists(path: Path) -> list[list[MarkedPoint]]:
 def _check_one_end(path: Path, lists: list[list[MarkedPoint]]) -> None:
     """Raise InputError if a file that can hold both ends of pairs holds them."""
     if len(lists) == 2 and path.suffix.lower() in BOTH_ENDS:
+        _, two = BOTH_ENDS[path.suffix.lower()]
         raise InputError(
-            f"{path}: expected one list of points (it holds both ends of pairs, "
-            f"{_said(path, lists)}): give no file of targets, or points of one time"
+            f"{path}: expected one list of points (it {two}, both ends of pairs): give "
+            "no file of targets, or points of one time"
         )
-
-
-def _said(path: Path, lists: list[list[MarkedPoint]]) -> str:
-    what = BOTH_ENDS.get(path.suffix.lower(), "list")
-    return f"{len(lists)} {what}" + ("" if len(lists) == 1 else "s")
 
 
 def _read_csv(path: Path) -> list[list[MarkedPoint]]:
@@ -223,8 +220,11 @@ POINT_READERS: Mapping[str, Callable[[Path], list[list[MarkedPoint]]]] = {
     ".fcsv": _read_fcsv,
     ".mrk.json": _read_mrk_json,
 }
-# What the lists are in formats that hold both ends of pairs side by side.
-BOTH_ENDS = {".csv": "end", ".tag": "volume"}
+BOTH_ENDS = {
+    ".csv": ("it has three columns, not six", "has six columns"),
+    ".tag": ("it has one volume, not two", "has two volumes"),
+}
+"""What is said of one list and of two, of formats that hold both ends side by side."""
 
 
 def _is_number(value: Any) -> bool:

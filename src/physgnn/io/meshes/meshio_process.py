@@ -5,6 +5,7 @@ alone: see `physgnn.io.meshes.reader` for the other side.
 """
 
 import json
+from pathlib import Path
 from typing import Any
 
 import meshio
@@ -15,13 +16,21 @@ VTK_TYPES = {
     "wedge": 13, "pyramid": 14, "line3": 21, "triangle6": 22, "quad8": 23,
     "tetra10": 24, "hexahedron20": 25,
 }  # fmt: skip
+# By name, since meshio.read tries others, and exits where all fail.
+READERS = {
+    ".inp": meshio.abaqus.read,
+    ".mesh": meshio.medit.read,
+    ".msh": meshio.gmsh.read,
+    ".off": meshio.off.read,
+}
 SETS = "element set"
 GROUPS = "gmsh:physical"
 
 
 def serve(request: dict[str, Any]) -> dict[str, Any]:
     """Return points, cells by blocks, integer cell arrays, and names as JSON."""
-    mesh = meshio.read(request["path"])
+    path = Path(request["path"])
+    mesh = READERS[path.suffix.lower()](path)
     points = np.asarray(mesh.points, dtype=np.float64)
     if points.ndim == 2 and points.shape[1] == 2:
         points = np.pad(points, ((0, 0), (0, 1)))

@@ -15,6 +15,7 @@ from physgnn.io.untrusted.isolated import Arrays, IsolatedReader
 from physgnn.io.untrusted.numbers import whole_numbers
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
+from physgnn.io.vtk.vtu import SET_PREFIX
 
 BY_MESHIO = (".msh", ".inp", ".mesh", ".off")
 BY_VTK = (".vtk", ".vtu")
@@ -54,7 +55,13 @@ def read_mesh_file(path: Path) -> MeshFile:
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     if path.suffix.lower() in BY_VTK:
-        return MeshFile(_in_ras(path, read_vtk(path)))
+        data = _in_ras(path, read_vtk(path))
+        sets = {
+            name.removeprefix(SET_PREFIX): whole_numbers(values, f"'{name}'")
+            for name, values in data.field_data.items()
+            if name.startswith(SET_PREFIX)
+        }
+        return MeshFile(data, point_sets=sets)
     return _of_meshio(_READER.read(path))
 
 

@@ -33,8 +33,8 @@ def serve(request: dict[str, Any]) -> dict[str, Any]:
     if complaint:
         raise ValueError(complaint.split(" (0x")[0])
     data = reader.GetOutput()
-    if not hasattr(data, "GetPolys") and not hasattr(data, "GetCellTypesArray"):
-        kind = "nothing" if data is None else data.GetClassName()
+    kind = "nothing" if data is None else data.GetClassName()
+    if kind not in ("vtkPolyData", "vtkUnstructuredGrid"):
         raise ValueError(f"it holds {kind}, neither polygons nor a grid of cells")
     return _arrays(data)
 

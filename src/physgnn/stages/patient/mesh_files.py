@@ -82,7 +82,7 @@ def mesh_of_file(
             point_sets=found.point_sets,
         )
     if len(used) < len(found.points):
-        log(f"{len(found.points) - len(used)} points belong to no cell: dropped")
+        log(f"points of no cell: {len(found.points) - len(used)}, dropped")
     floor = {} if quality_floor is None else {"floor": quality_floor}
     log(str(check_quality(mesh, **floor)))
     mesh = mesh.with_point_sets(
