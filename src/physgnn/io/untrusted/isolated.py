@@ -46,7 +46,7 @@ class IsolatedReader:
     ) -> None:
         self._reader = str(reader)
         self._library = library
-        self._timeout_s = timeout_s
+        self.timeout_s = timeout_s
         self._process: subprocess.Popen[str] | None = None
         self._lock = threading.Lock()
         atexit.register(self.close)
@@ -93,7 +93,7 @@ class IsolatedReader:
             late.set()
             process.kill()
 
-        timer = threading.Timer(self._timeout_s, stop)
+        timer = threading.Timer(self.timeout_s, stop)
         timer.start()
         try:
             process.stdin.write(json.dumps(request) + "\n")
@@ -107,7 +107,7 @@ class IsolatedReader:
             return str(json.loads(reply)["error"])
         self.close()
         if late.is_set():
-            return f"{self._library}'s reader took more than {self._timeout_s:g} s"
+            return f"{self._library}'s reader took more than {self.timeout_s:g} s"
         return f"{self._library}'s reader crashed on it"
 
     def _started(self, limit_bytes: int) -> "subprocess.Popen[str]":

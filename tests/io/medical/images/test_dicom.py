@@ -1,17 +1,14 @@
 """A folder of DICOM is one series, whole and upright, or a line says why not."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from dicom_files import SHAPE, write_series
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
 from physgnn.io.medical.images.formats import read_image
-
-sys.path.insert(0, str(Path(__file__).parent))
-from dicom_files import SHAPE, write_series
 
 AFFINE = np.array(
     [[-0.9, 0, 0, 40.0], [0, 0.72, -1.2, -20], [0, 0.54, 1.6, 5], [0, 0, 0, 1]]
