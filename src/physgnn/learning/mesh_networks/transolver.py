@@ -54,7 +54,7 @@ class PhysicsAttention(nn.Module):
         return by_head.transpose(1, 2)
 
 
-class Block(nn.Module):
+class AttentionBlock(nn.Module):
     """Attention, then a perceptron, each added to what it was given.
 
     Parameters
