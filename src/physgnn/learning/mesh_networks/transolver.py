@@ -97,7 +97,9 @@ class Transolver(nn.Module):
         self.encoder = nn.Sequential(
             nn.Linear(n_inputs, 2 * width), nn.GELU(), nn.Linear(2 * width, width)
         )
-        self.blocks = nn.ModuleList(Block(width, heads, slices) for _ in range(layers))
+        self.blocks = nn.ModuleList(
+            AttentionBlock(width, heads, slices) for _ in range(layers)
+        )
         self.decoder = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, n_outputs))
 
     def forward(self, inputs: Tensor) -> Tensor:
