@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation
 from physgnn.arrays import FloatArray
 from physgnn.geometry.image import ImageGrid, LabelVolume
 from physgnn.imaging.transforms import from_itk, to_itk
-from physgnn.io.medical.nifti import write_image
+from physgnn.io.medical.images.formats import write_image
 from physgnn.stages.patient.segmentation import mesh_segmentation
 
 LABELS = "brain=1,tumour=4,ventricle=6"

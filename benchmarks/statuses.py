@@ -34,7 +34,7 @@ from physgnn.prediction import (
     PredictionStatus,
     Predictor,
 )
-from physgnn.serving.scene.patch_load import Exposed, push
+from physgnn.serving.scene.patch_load import Exposed, spread_force
 from tables import machine, table
 
 RADIUS_MM, FORCE_N, CONE_DEG = (8.0, 40.0), (0.1, 4.0), 20.0
@@ -55,7 +55,7 @@ def draw(predictor: Predictor, count: int, seed: int) -> Iterator[LoadCase]:
         radius = float(np.exp(random.uniform(*np.log(RADIUS_MM))))
         force = random.uniform(*FORCE_N)
         direction = within_cone(random, -surface.normals[middle], CONE_DEG)
-        yield push(surface, surface.points[middle], force * direction, radius)
+        yield spread_force(surface, surface.points[middle], force * direction, radius)
 
 
 def truth_of(solve: Predict, case: LoadCase, file: Path) -> FloatArray | None:

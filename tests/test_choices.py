@@ -6,7 +6,7 @@ from physgnn import choices
 from physgnn.dataset import PRESETS, SOLVERS, SPLITS
 from physgnn.dataset.splits.samples import MESH
 from physgnn.imaging.image_warping import INTERPOLATIONS
-from physgnn.io.medical.nifti_place import FORMS
+from physgnn.io.medical.images.nifti_place import FORMS
 from physgnn.io.stress_curves import PA
 from physgnn.learning.physgnn.precision import PRECISIONS
 from physgnn.learning.training.budget import CLOCKS

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from physgnn.geometry.meshing import tetgen_process
-from physgnn.io.medical.nifti import read_image
+from physgnn.io.medical.images.formats import read_image
 
 NOTEBOOK = Path(__file__).parents[1] / "examples" / "scan_to_scan.ipynb"
 

@@ -117,7 +117,7 @@ class Skull(StrEnum):
 
 
 class AffineForm(StrEnum):
-    """Of a NIfTI header: rows of `physgnn.io.medical.nifti_place.FORMS`."""
+    """Of a NIfTI header: rows of `physgnn.io.medical.images.nifti_place.FORMS`."""
 
     SFORM = "sform"
     QFORM = "qform"

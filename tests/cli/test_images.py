@@ -13,7 +13,7 @@ from physgnn.cli import main
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.meshing import tetgen_process
 from physgnn.io import read_mesh, write_mesh
-from physgnn.io.medical.nifti import read_image, write_image
+from physgnn.io.medical.images.formats import read_image, write_image
 
 
 def run(*words: object, code: int = 0) -> None:
@@ -92,7 +92,7 @@ def test_a_measured_surface_becomes_a_deformed_label_map(
         (("--points", "m.csv", "--surface", "m.csv", "-o", "o.vtu"), "or --surface"),
         (("-o", "o.vtu"), "give --points"),
         (("--points", "m.csv", "-o", "o.stl"), "written as .vtu"),
-        (("--surface", "m.csv", "-o", "o.vtu"), "must be 3 numbers"),
+        (("--surface", "m.csv", "-o", "o.vtu"), "both ends of pairs"),
         (
             ("--points", "m.csv", "--skull", "loose", "-o", "o.vtu"),
             "'fixed', 'sliding'",

@@ -3,27 +3,35 @@
 A new format gets a row here, and mutants and flipped bits are tried on it by itself.
 """
 
+import contextlib
+import gzip
+import io
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import meshio
 import nibabel as nib
 import numpy as np
 import pyvista as pv
+import SimpleITK as sitk
 
+from dicom_files import write_series
 from meshes import block_mesh
 from physgnn.config import read_materials, read_point_sets, read_preset
-from physgnn.geometry.image import LabelVolume
+from physgnn.geometry.image import Image, LabelVolume
+from physgnn.imaging.transforms import to_itk
 from physgnn.io import read_load_case, read_mesh, read_surface, write_prediction
 from physgnn.io.array_files import read_arrays, write_arrays
 from physgnn.io.febio.log import read_febio_log
 from physgnn.io.febio.model_reader import read_febio
 from physgnn.io.febio.model_writer import write_febio
+from physgnn.io.medical.images.formats import read_image, read_segmentation, write_image
 from physgnn.io.medical.markups import read_point_pairs
 from physgnn.io.medical.measured_surface import read_surface_points
-from physgnn.io.medical.nifti import read_image, read_segmentation, write_image
+from physgnn.io.meshes.tetrahedra import read_tetrahedra
 from physgnn.io.simulation import Simulation, solution_of
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.io.vtk.reader import read_vtk
@@ -111,6 +119,56 @@ def _big_endian(path: Path) -> None:
     nib.save(nib.Nifti1Image(data.astype(">f4"), AFFINE, header), path)
 
 
+def _layers(path: Path) -> None:
+    data = np.zeros((2, 6, 7, 8), np.uint8)
+    data[0, 1:5, 2:6, 2:7] = 1
+    data[1, 2:4, 3:5, 3:5] = 2
+    head = (
+        "NRRD0004\ntype: uint8\ndimension: 4\nspace: left-posterior-superior\n"
+        "sizes: 2 6 7 8\nspace directions: none (2,0,0) (0,2,0) (0,0,2)\n"
+        "kinds: list domain domain domain\nencoding: gzip\nspace origin: (1,2,3)\n"
+        "Segment0_Name:=brain\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n"
+        "Segment1_Name:=tumour\nSegment1_LabelValue:=2\nSegment1_Layer:=1\n\n"
+    )
+    path.write_bytes(head.encode() + gzip.compress(data.tobytes(order="F")))
+
+
+def _raw(path: Path) -> None:
+    data = np.random.default_rng(2).integers(0, 900, size=(4, 5, 6)).astype(np.int16)
+    sitk.WriteImage(to_itk(Image(data, AFFINE)), str(path))
+
+
+def _dicom(path: Path) -> None:
+    data = np.random.default_rng(2).integers(0, 900, size=(4, 5, 6))
+    files = write_series(path.parent, Image(data, AFFINE))
+    files[2].replace(path)
+
+
+def _meshio(form: str) -> Callable[[Path], Any]:
+    faces = [("triangle", SPHERE.regular_faces)]
+    return _by_meshio(meshio.Mesh(np.asarray(SPHERE.points, float), faces), form)
+
+
+def _tetrahedra(form: str) -> Callable[[Path], Any]:
+    groups = {"gmsh:physical": [MESH.region + 1], "gmsh:geometrical": [MESH.region + 1]}
+    made = meshio.Mesh(MESH.points, [("tetra", MESH.cells)], cell_data=groups)
+    return _by_meshio(made, form)
+
+
+def _by_meshio(made: meshio.Mesh, form: str) -> Callable[[Path], Any]:
+    def write(path: Path) -> None:
+        with contextlib.redirect_stderr(io.StringIO()):  # its warnings
+            meshio.write(path, made, file_format=form)
+
+    return write
+
+
+def _tag(path: Path) -> None:
+    rows = [" ".join(map(str, row)) + ' "p"' for row in PAIRS.tolist()]
+    text = "MNI Tag Point File\nVolumes = 2;\n% a comment\n\nPoints =\n"
+    path.write_text(text + "\n".join(rows) + ";\n")
+
+
 def _stl(path: Path) -> None:
     pv.Icosphere(radius=10.0, nsub=1).save(path, binary=False)
 
@@ -195,6 +253,16 @@ FORMATS: Mapping[str, FileFormat] = {
         FileFormat("labels.nii", _labels, read_segmentation),
         FileFormat("labels.nii.gz", _labels, read_segmentation, compressed=True),
         FileFormat("big.nii", _big_endian, read_image),
+        FileFormat("a.nrrd", _labels, read_image),
+        FileFormat("a.seg.nrrd", _labels, read_segmentation),
+        FileFormat("layers.seg.nrrd", _layers, read_segmentation),
+        FileFormat("a.mha", _labels, read_segmentation),
+        FileFormat("a.mhd", _labels, read_segmentation),
+        FileFormat("raw.mha", _raw, read_image),
+        FileFormat("a.mgz", _labels, read_segmentation, compressed=True),
+        FileFormat("a.mgh", _labels, read_image),
+        FileFormat("a.dcm", _dicom, read_image, isolated=True),
+        FileFormat("a.gipl", _raw, read_image, isolated=True),
         FileFormat("binary.stl", SPHERE.save, read_surface),
         FileFormat("ascii.stl", _stl, read_surface),
         FileFormat("ascii.ply", _text(PLY), read_surface),
@@ -206,11 +274,19 @@ FORMATS: Mapping[str, FileFormat] = {
         FileFormat("ascii.vtu", _grid, read_mesh),
         FileFormat("binary.vtk", _grid, read_vtk, isolated=True),
         FileFormat("ascii.vtk", _grid, read_vtk, isolated=True),
+        FileFormat("surface.vtk", SPHERE.save, read_surface, isolated=True),
+        FileFormat("ball.off", _meshio("off"), read_surface, isolated=True),
+        FileFormat("ball.inp", _meshio("abaqus"), read_surface, isolated=True),
+        FileFormat("v2.msh", _meshio("gmsh22"), read_surface, isolated=True),
+        FileFormat("v4.msh", _meshio("gmsh"), read_surface, isolated=True),
+        FileFormat("cells.msh", _tetrahedra("gmsh22"), read_tetrahedra, isolated=True),
+        FileFormat("cells.inp", _tetrahedra("abaqus"), read_tetrahedra, isolated=True),
         FileFormat("arrays.npz", _arrays, _read_arrays, compressed=True),
         FileFormat("squeezed.npz", _squeezed, _read_arrays, compressed=True),
         FileFormat("case.feb", _febio, read_febio),
         FileFormat("u.log", _text(LOG), _read_log),
         FileFormat("pairs.csv", _csv, read_point_pairs),
+        FileFormat("pairs.tag", _tag, read_point_pairs),
         FileFormat("points.fcsv", _fcsv, read_surface_points),
         FileFormat("pairs.mrk.json", _mrk, read_point_pairs),
         FileFormat("load.json", _load_case, lambda path: read_load_case(path, MESH)),

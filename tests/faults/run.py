@@ -19,6 +19,8 @@ import contextlib
 from faults.file_formats import FORMATS, FileFormat, same
 from faults.file_mutants import faults, flipped
 from physgnn.errors import InputError
+from physgnn.io.medical.images import itk
+from physgnn.io.meshes import reader as meshes
 from physgnn.io.vtk import isolated
 
 
@@ -58,6 +60,7 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, help="Where files that fail are left.")
     given = parser.parse_args()
     isolated._shared = isolated.VtkProcess(timeout_s=5.0)
+    itk._READER.timeout_s = meshes._READER.timeout_s = 5.0
     forms = [form for name, form in FORMATS.items() if given.only in name]
     wrong = 0
     with tempfile.TemporaryDirectory(prefix="physgnn-faults-") as temporary:

@@ -30,6 +30,22 @@ def test_flips(name: str, tmp_path: Path) -> None:
     assert noticed > FLIPS / 2
 
 
+@pytest.mark.parametrize("name", ["a.nrrd", "a.seg.nrrd", "layers.seg.nrrd", "a.mha"])
+def test_flips_in_packed_voxels(name: str, tmp_path: Path) -> None:
+    """The text before them has no checksum."""
+    form, path = FORMATS[name], tmp_path / name
+    form.make(path)
+    whole, right = path.read_bytes(), form.read(path)
+    mark = b"LOCAL\n" if name.endswith(".mha") else b"\n\n"
+    # gzip has ten bytes before its stream, the time and the system among them
+    start = whole.index(mark) + len(mark) + (2 if name.endswith(".mha") else 10)
+    random = np.random.default_rng(5)
+    for bit in random.integers(8 * start, 8 * len(whole), size=FLIPS):
+        path.write_bytes(flipped(whole, int(bit)))
+        with contextlib.suppress(InputError):
+            assert same(form.read(path), right), f"bit {bit} changes the result"
+
+
 def test_flips_in_compressed_blocks_of_vtu(tmp_path: Path) -> None:
     """Tags and headers have no checksum; the blocks of zlib have."""
     form, path = FORMATS["moved.vtu"], tmp_path / "moved.vtu"

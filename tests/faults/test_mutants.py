@@ -10,6 +10,8 @@ import pytest
 
 from faults.file_formats import FORMATS
 from faults.file_mutants import faults
+from physgnn.io.medical.images import itk
+from physgnn.io.meshes import reader as meshes
 from physgnn.io.vtk import isolated
 
 MUTANTS, SEED = 2_000, 17
@@ -19,6 +21,8 @@ MUTANTS, SEED = 2_000, 17
 def _patient_for_five_seconds(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     process = isolated.VtkProcess(timeout_s=5.0)
     monkeypatch.setattr(isolated, "_shared", process)
+    for reader in (itk._READER, meshes._READER):
+        monkeypatch.setattr(reader, "timeout_s", 5.0)
     yield
     process.close()
 

@@ -13,7 +13,7 @@ from physgnn.geometry.image import Image, ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging import forward_field, inverse_field
 from physgnn.imaging.transforms import from_itk, resampling_transform, to_itk
-from physgnn.io.medical.nifti import read_image, write_image
+from physgnn.io.medical.images.formats import read_image, write_image
 from physgnn.io.medical.transforms import write_field
 
 MOTIONS = {

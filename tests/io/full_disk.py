@@ -21,10 +21,12 @@ from safetensors import SafetensorError
 from safetensors.numpy import save_file
 
 from physgnn.errors import InputError
+from physgnn.geometry.image import Image
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_load_case, write_mesh
 from physgnn.io.integrity.atomic import whole_file, write_whole
-from physgnn.io.medical.nifti import save_nifti
+from physgnn.io.medical.images.formats import write_image
+from physgnn.io.medical.images.nifti import save_nifti
 from physgnn.io.medical.transforms import save_transform
 from physgnn.io.vtk.prediction_file import write_deformed
 from physgnn.io.vtk.vtu import write_prediction
@@ -43,6 +45,8 @@ def mesh_of_cubes() -> TetMesh:
 MESH = mesh_of_cubes()
 SHIFT = RNG.normal(size=MESH.points.shape)
 IMAGE = nib.Nifti1Image(RNG.normal(size=(32, 32, 32)).astype(np.float32), np.eye(4))
+
+LABELS = Image(RNG.integers(0, 30_000, size=(32, 32, 32)), np.eye(4))
 
 
 def transform(path: Path) -> None:
@@ -82,6 +86,9 @@ WRITERS = {
     "deformed.vtu": lambda path: write_deformed(path, MESH, SHIFT),
     "field.nii.gz": lambda path: save_nifti(path, IMAGE),
     "field.nii": lambda path: save_nifti(path, IMAGE),
+    "labels.nrrd": lambda path: write_image(path, LABELS),
+    "labels.mha": lambda path: write_image(path, LABELS),
+    "labels.mgz": lambda path: write_image(path, LABELS),
     "transform.h5": transform,
     "picture.png": picture,
     "weights.safetensors": weights,

@@ -10,7 +10,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.displacement_files import FORMS, DisplacementFields, form_of
-from physgnn.io.medical.nifti import read_segmentation
+from physgnn.io.medical.images.formats import read_segmentation
 from physgnn.io.vtk.prediction_file import read_displacement
 
 SHIFT = np.array([1.0, -2.0, 0.5])

@@ -23,6 +23,8 @@ SMALL = {  # options that make a method quick enough for a test
     "mlp": {"width": 8, "epochs": 2},
     "galerkin": {"pod_modes": 3},
     "reduced": {"anchors": 3},
+    "meshgraphnet": {"width": 8, "steps": 2},
+    "transolver": {"width": 8, "layers": 2, "heads": 2, "slices": 4},
     "lifted": {"width": 8, "layers": 2, "pod_modes": 2, "anchors": 2},
     "physgnn": {"width": 8},
 }
@@ -127,7 +129,7 @@ def test_only_networks_need_torch_of_their_author() -> None:
     modules = {
         name for name in MODELS if issubclass(model_class(name), torch.nn.Module)
     }
-    assert kinds == modules == {"lifted", "physgnn"}
+    assert kinds == modules == {"lifted", "meshgraphnet", "physgnn", "transolver"}
 
 
 @pytest.mark.parametrize(

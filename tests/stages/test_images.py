@@ -11,7 +11,7 @@ from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.meshing import tetgen_process
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh, write_prediction
-from physgnn.io.medical.nifti import read_image, read_segmentation, write_image
+from physgnn.io.medical.images.formats import read_image, read_segmentation, write_image
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.stages.patient.meshing import mesh
 from physgnn.stages.patient.registration import register
@@ -206,3 +206,64 @@ def test_a_surface_has_the_size_of_a_brain(tmp_path: Path) -> None:
         mesh(case, brain=tmp_path / "ball.stl", target_points=1000)
     mesh(case, brain=tmp_path / "ball.stl", target_points=1000, any_size=True)
     assert case.exists()
+
+
+@needs_tetgen
+def test_a_segmentation_of_slicer_meshes_by_its_names(
+    labels: LabelVolume, tmp_path: Path
+) -> None:
+    names = {1: "Brain", 4: "Tumor core", 6: "ventricles"}
+    path, said = tmp_path / "a.seg.nrrd", list[str]()
+    write_image(path, LabelVolume(labels.data, labels.affine, names))
+    made = mesh_segmentation(path, target_points=1500, log=said.append)
+    for region, label in ((0, 1), (1, 4), (2, 6)):
+        wanted = (labels.data == label).sum() * 27.0
+        inside = made.region == region
+        assert made.cell_volumes[inside].sum() == pytest.approx(wanted, rel=0.03)
+    assert any("label 4 → tumour (Tumor core)" in line for line in said)
+
+
+def test_names_that_mean_no_tissue_are_asked_for(
+    labels: LabelVolume, tmp_path: Path
+) -> None:
+    names = {1: "Segment_1", 4: "Segment_2", 6: "Segment_3"}
+    path = tmp_path / "a.seg.nrrd"
+    write_image(path, LabelVolume(labels.data, labels.affine, names))
+    with pytest.raises(InputError, match=r"called brain .*1 'Segment_1'.*--labels"):
+        mesh_segmentation(path)
+    with pytest.raises(InputError, match="nothing is called 'skull'"):
+        mesh_segmentation(path, "brain=skull")
+
+
+@pytest.mark.parametrize("suffix", [".nrrd", ".mha", ".mhd", ".mgz", ".nii"])
+def test_what_is_warped_keeps_its_format(suffix: str, tmp_path: Path) -> None:
+    body = block_mesh(2, side=40.0)
+    write_prediction(
+        tmp_path / "u.vtu", body, {"displacement_mm": np.zeros(body.points.shape)}
+    )
+    affine = np.diag([-2.0, 2.0, 2.5, 1.0])
+    affine[:3, 3] = [45.0, -5.0, -5.0]
+    image = Image(np.random.default_rng(0).normal(size=(25, 26, 21)), affine)
+    write_image(tmp_path / f"t1{suffix}", image)
+    source = tmp_path / f"t1{suffix}"
+    warp(source, tmp_path / "u.vtu", tmp_path / "moved", jacobian=tmp_path / "detf")
+    moved = read_image(tmp_path / f"moved{suffix}")
+    np.testing.assert_allclose(moved.data, image.data, atol=1e-4)
+    np.testing.assert_allclose(moved.affine, affine, atol=1e-5)
+    assert read_image(tmp_path / f"detf{suffix}").data.shape == (25, 26, 21)
+    warp(source, tmp_path / "u.vtu", tmp_path / "other.nii.gz")
+    np.testing.assert_allclose(read_image(tmp_path / "other.nii.gz").data, moved.data)
+
+
+def test_names_survive_warping(labels: LabelVolume, tmp_path: Path) -> None:
+    names = {1: "brain", 4: "tumour", 6: "ventricle"}
+    body = block_mesh(2, side=40.0)
+    write_prediction(
+        tmp_path / "u.vtu", body, {"displacement_mm": np.zeros(body.points.shape)}
+    )
+    path = tmp_path / "a.seg.nrrd"
+    write_image(path, LabelVolume(labels.data, labels.affine, names))
+    warp(path, tmp_path / "u.vtu", tmp_path / "moved.seg.nrrd", labels=True)
+    moved = read_segmentation(tmp_path / "moved.seg.nrrd")
+    assert moved.names == names
+    np.testing.assert_array_equal(moved.data, labels.data)

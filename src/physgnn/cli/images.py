@@ -14,11 +14,18 @@ from physgnn.cli.options import (
     Grid,
     Materials,
     OutFile,
+    SeriesOption,
 )
 
 
 def warp(
-    image: Annotated[Path, typer.Argument(help="The image at rest, NIfTI.")],
+    image: Annotated[
+        Path,
+        typer.Argument(
+            help="The image at rest: NIfTI, NRRD, MetaImage, FreeSurfer's, or a folder "
+            "of DICOM."
+        ),
+    ],
     prediction: Annotated[
         Path, typer.Argument(help="A displacement written by predict or register, VTU.")
     ],
@@ -42,7 +49,7 @@ def warp(
     ] = None,
     jacobian: Annotated[
         Path | None,
-        typer.Option(help="Write a map of the change of volume to this NIfTI file."),
+        typer.Option(help="Write a map of the change of volume to this image."),
     ] = None,
     slices: Annotated[
         Path | None,
@@ -51,8 +58,11 @@ def warp(
         ),
     ] = None,
     affine: AffineOption = None,
+    series: SeriesOption = None,
 ) -> None:
     """Deform an image as a prediction says."""
+    from physgnn.io.medical.images.formats import named_like
+
     with working("warping"):
         stages.warp(
             image,
@@ -64,9 +74,10 @@ def warp(
             jacobian=jacobian,
             slices=slices,
             affine=affine,
+            series=series,
             log=say,
         )
-    print(out)
+    print(named_like(out, image))
 
 
 def register(
@@ -77,7 +88,8 @@ def register(
     points: Annotated[
         Path | None,
         typer.Option(
-            help="Pairs of points measured before and after: CSV, .fcsv or .mrk.json."
+            help="Pairs of points measured before and after: CSV, .tag, .fcsv or "
+            ".mrk.json."
         ),
     ] = None,
     target: Annotated[
@@ -90,7 +102,7 @@ def register(
         Path | None,
         typer.Option(
             help="The exposed surface after the shift, instead of points: a mesh (STL, "
-            "PLY, OBJ, VTP) or points (CSV, .fcsv, .mrk.json)."
+            "PLY, OBJ, VTP, VTK, OFF …) or points (CSV, .tag, .fcsv, .mrk.json)."
         ),
     ] = None,
     noise_mm: Annotated[

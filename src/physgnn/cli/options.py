@@ -50,6 +50,13 @@ AffineOption = Annotated[
         "disagree by more than a voxel.",
     ),
 ]
+SeriesOption = Annotated[
+    str | None,
+    typer.Option(
+        "--series",
+        help="Take the series of this UID from a folder of DICOM that holds several.",
+    ),
+]
 Displacement = Annotated[
     Path,
     typer.Option(
@@ -73,6 +80,6 @@ Grid = Annotated[
     Path | None,
     typer.Option(
         "--image",
-        help="Write a field or a label map on the voxels of this NIfTI image.",
+        help="Write a field or a label map on the voxels of this image.",
     ),
 ]

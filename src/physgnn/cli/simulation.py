@@ -7,7 +7,13 @@ import typer
 
 from physgnn import choices, stages
 from physgnn.cli.console import progress, say, working
-from physgnn.cli.options import AffineOption, LoadsOption, OutFile, PresetOption
+from physgnn.cli.options import (
+    AffineOption,
+    LoadsOption,
+    OutFile,
+    PresetOption,
+    SeriesOption,
+)
 
 SHOWN_REMARKS, SHOWN_ERRORS = 20, 3
 
@@ -16,20 +22,25 @@ def mesh(
     out: OutFile,
     segmentation: Annotated[
         Path | None,
-        typer.Argument(help="A label map, NIfTI, to mesh instead of surfaces."),
+        typer.Argument(
+            help="A label map to mesh instead of surfaces (NIfTI, NRRD, MetaImage, "
+            "FreeSurfer's), or a mesh of tetrahedra of another program (.msh, .inp, "
+            ".vtk, .vtu, .mesh)."
+        ),
     ] = None,
     labels: Annotated[
         str,
         typer.Option(
             help="Which label is which tissue: the name of a convention (mask, "
             "freesurfer, brats, or exactly one of brats-2020, brats-2023, brats-post "
-            "and msd) or a list such as brain=1,tumour=4."
+            "and msd) or a list such as brain=1,tumour=4. Names of segments, or of "
+            "groups of cells, may stand for numbers."
         ),
     ] = "mask",
     brain_mask: Annotated[
         Path | None,
         typer.Option(
-            help="A NIfTI image that is not 0 inside the brain, for label maps that "
+            help="An image that is not 0 inside the brain, for label maps that "
             "mark the tumour alone."
         ),
     ] = None,
@@ -46,7 +57,10 @@ def mesh(
     ] = None,
     brain: Annotated[
         Path | None,
-        typer.Option(help="The surface of the brain: STL, PLY, OBJ or VTP, in mm."),
+        typer.Option(
+            help="The surface of the brain, in mm: STL, PLY, OBJ, VTP, VTK, OFF, Gmsh "
+            "or Abaqus."
+        ),
     ] = None,
     tumour: Annotated[
         list[Path] | None,
@@ -94,6 +108,7 @@ def mesh(
         ),
     ] = False,
     affine: AffineOption = None,
+    series: SeriesOption = None,
 ) -> None:
     """Fill surfaces, or a label map, with tetrahedra and name point sets."""
     with working("meshing"):
@@ -114,6 +129,7 @@ def mesh(
             ignore_labels=ignore_labels,
             any_size=any_size,
             affine=affine,
+            series=series,
             log=say,
         )
     print(f"{out}: {made.n_points} points, {made.n_cells} cells")

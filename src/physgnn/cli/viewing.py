@@ -24,7 +24,7 @@ def view(
     ] = 8750,
     image: Annotated[
         Path | None,
-        typer.Option(help="Show sections of this NIfTI volume, or of mni152."),
+        typer.Option(help="Show sections of this image, or of mni152."),
     ] = None,
     igtl: Annotated[
         int | None,

@@ -1,6 +1,7 @@
 """Images as arrays with a place in the world, and label maps among them."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -117,6 +118,15 @@ class Image:
 class LabelVolume(Image):
     """A segmentation: one whole number a voxel, 0 for background.
 
+    Parameters
+    ----------
+    data : (nx, ny, nz) array
+        Labels.
+    affine : (4, 4) array
+        See `ImageGrid`.
+    names : mapping of label to str
+        What the file calls them, if it does, as a segmentation of 3D Slicer.
+
     Raises
     ------
     InputError
@@ -124,6 +134,7 @@ class LabelVolume(Image):
     """
 
     data: NDArray[np.int32]
+    names: Mapping[int, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,6 +1,7 @@
 """The image as it would be after the deformation."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import SimpleITK as sitk
@@ -63,5 +64,4 @@ def warp(
     moved = from_itk(
         sitk.Resample(moving, moving, transform, INTERPOLATIONS[name], 0.0)
     )
-    kind = LabelVolume if is_labels else Image
-    return kind(moved.data, image.affine)  # type: ignore[arg-type]
+    return replace(image, data=moved.data)

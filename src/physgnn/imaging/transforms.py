@@ -8,6 +8,7 @@ the input it shows: they are the inverse of the finite-element displacement.
 import nibabel as nib
 import numpy as np
 import SimpleITK as sitk
+from numpy.typing import ArrayLike
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
@@ -16,6 +17,8 @@ from physgnn.imaging.field import DisplacementField
 
 RAS_TO_LPS = np.diag([-1.0, -1.0, 1.0])
 NIFTI_INTENT_VECTOR = 1007
+TO_RAS = {"RAS": np.eye(3), "LPS": RAS_TO_LPS, "LAS": np.diag([-1.0, 1.0, 1.0])}
+"""From the axes that headers of images name to RAS."""
 
 
 def to_itk(image: Image) -> sitk.Image:
@@ -25,11 +28,32 @@ def to_itk(image: Image) -> sitk.Image:
 
 def from_itk(image: sitk.Image) -> Image:
     """Return a SimpleITK image in RAS+."""
-    affine = np.eye(4)
-    directions = np.array(image.GetDirection()).reshape(3, 3)
-    affine[:3, :3] = RAS_TO_LPS @ directions @ np.diag(image.GetSpacing())
-    affine[:3, 3] = RAS_TO_LPS @ np.array(image.GetOrigin())
+    affine = affine_from_itk(
+        image.GetDirection(), image.GetSpacing(), image.GetOrigin()
+    )
     return Image(sitk.GetArrayFromImage(image).T, affine)
+
+
+def affine_from_itk(
+    direction: ArrayLike, spacing: ArrayLike, origin: ArrayLike
+) -> FloatArray:
+    """Return the affine in RAS+ of what ITK says of an image's place, in LPS."""
+    affine = np.eye(4)
+    affine[:3, :3] = np.reshape(direction, (3, 3)) @ np.diag(np.asarray(spacing))
+    affine[:3, 3] = origin
+    return affine_in_ras(affine, "LPS")
+
+
+def affine_in_ras(affine: FloatArray, system: str) -> FloatArray:
+    """Return an affine to world axes "RAS", "LPS" or "LAS" as one to RAS+."""
+    placed = affine.copy()
+    placed[:3] = TO_RAS[system] @ affine[:3]
+    return placed
+
+
+def affine_in_lps(affine: FloatArray) -> FloatArray:
+    """Return an affine to RAS+ as one to LPS."""
+    return affine_in_ras(affine, "LPS")  # the same signs turn, there and back
 
 
 def vectors_to_itk(field: DisplacementField) -> sitk.Image:

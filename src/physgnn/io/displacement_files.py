@@ -20,7 +20,8 @@ from physgnn.imaging import (
     grid_around,
     inverse_field,
 )
-from physgnn.io.medical.nifti import SUFFIXES, write_image
+from physgnn.io.medical.images.formats import WRITTEN, write_image
+from physgnn.io.medical.images.nifti import SUFFIXES
 from physgnn.io.medical.transforms import write_field
 from physgnn.io.vtk.prediction_file import (
     DISPLACEMENT,
@@ -153,5 +154,5 @@ FORMS: Mapping[str, FileForm] = {
     "transform": FileForm((".h5",), _write_inverse),
     "field": FileForm(IMAGES, _write_forward),
     "itk-field": FileForm(IMAGES, _write_inverse),
-    "labels": FileForm(IMAGES, _write_labels),
+    "labels": FileForm(WRITTEN, _write_labels),
 }

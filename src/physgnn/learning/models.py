@@ -20,12 +20,24 @@ MODELS: Mapping[str, str] = {
     "interpolation": (
         "physgnn.learning.baselines.level_interpolation:LevelInterpolation"
     ),
+    "linear-regression": (
+        "physgnn.learning.classical.linear_regression:LinearRegression"
+    ),
+    "decision-tree": "physgnn.learning.classical.decision_tree:DecisionTree",
+    "random-forest": "physgnn.learning.classical.random_forest:RandomForest",
+    "svr": "physgnn.learning.classical.support_vector:SupportVectors",
+    "gpr": "physgnn.learning.classical.gaussian_process:GaussianProcess",
+    "rbf": "physgnn.learning.classical.radial_basis:RadialBasis",
     "pod-network": "physgnn.learning.classical.pod_network:PODNetwork",
     "extra-trees": "physgnn.learning.classical.extra_trees:ExtraTrees",
     "mlp": "physgnn.learning.classical.nodal_network:NodalNetwork",
     "galerkin": "physgnn.learning.reduced_order.pod_galerkin:GalerkinModel",
     "reduced": "physgnn.learning.reduced_order.local_expansion:ReducedModel",
     "finite-element": "physgnn.learning.baselines.finite_element:FiniteElement",
+    "meshgraphnet": (
+        "physgnn.learning.mesh_networks.meshgraphnet_model:MeshGraphNetModel"
+    ),
+    "transolver": "physgnn.learning.mesh_networks.transolver_model:TransolverModel",
     "lifted": "physgnn.learning.lifted.model:LiftedModel",
     "physgnn": "physgnn.learning.physgnn.model:PhysGNNModel",
 }

@@ -56,7 +56,7 @@ def serve(
         If there is nothing to show at the path, or a port is taken.
     """
     listening = listen(port)
-    engine = Engine(view(path), None if image is None else read_image(image))
+    engine = Engine(view(path), None if image is None else read_image(image, log=log))
     beside = []
     if igtl is not None:
         from physgnn.serving.igtl import stream

@@ -16,7 +16,8 @@ from physgnn.learning.models import model_class
 from physgnn.learning.reduced_order import local_expansion as reduced
 
 BASELINES = (
-    "zero", "linear", "interpolation", "pod-network", "extra-trees",
+    "zero", "linear", "interpolation", "linear-regression", "decision-tree",
+    "random-forest", "svr", "gpr", "rbf", "pod-network", "extra-trees",
     "mlp", "galerkin", "reduced",
 )  # fmt: skip
 
@@ -89,7 +90,7 @@ def test_learners_are_fitted_to_the_training_part_alone(
 
     monkeypatch.setattr(Store, "displacement", watched)
     learners = [name for name in BASELINES if model_class(name).learns]
-    assert len(learners) == 5
+    assert len(learners) == 11
     for row in baseline_rows(learners, held_out):
         row.make()
     assert seen == set(held_out.train[:, 0].tolist())

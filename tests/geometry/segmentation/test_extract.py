@@ -22,7 +22,7 @@ from physgnn.geometry.segmentation.label_tables import (
 )
 from physgnn.geometry.segmentation.mask_surface import level_set
 from physgnn.geometry.segmentation.masks import tissue_masks
-from physgnn.io.medical.nifti import read_segmentation, write_image
+from physgnn.io.medical.images.formats import read_segmentation, write_image
 
 TABLE = label_table("brain=1,tumour=4,ventricle=6")
 CENTRE = np.array([12.0, -7.0, 31.0])

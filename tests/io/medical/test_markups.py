@@ -95,10 +95,11 @@ def test_bad_files_are_refused(tmp_path: Path) -> None:
 
     for path, message in (
         (tmp_path / "absent.csv", "cannot be read"),
-        (written("a.txt", ""), "must be .csv or"),
-        (written("short.csv", "1,2,3\n"), "point 1 must be 6 numbers"),
+        (written("a.txt", ""), r"must be \.csv, \.tag"),
+        (written("short.csv", "1,2,3\n"), "three columns, not six.*--target"),
         (written("word.csv", "1,2,3,4,5,x\n"), "point 1 must be 6 numbers"),
-        (written("header.csv", "x,y,z\n1,2,3\n"), "header must name"),
+        (written("header.csv", "a,b,c\n1,2,3\n"), "header must name"),
+        (written("many.csv", "1,2,3,4,5,6,7\n"), "point 1 must be 6 numbers"),
         (written("none.fcsv", "1,2,3,4\n"), "CoordinateSystem"),
         (written("bad.mrk.json", "{}"), "no markups"),
         (written("text.mrk.json", "x"), "expected JSON"),
@@ -182,3 +183,64 @@ def test_lists_without_common_labels_pair_by_their_order() -> None:
         paired(points("a", "b", "c"), points("a", "x", "y"))
     with pytest.raises(InputError, match="needs its target"):
         paired(points("", ""), points("", "", ""))
+
+
+def tag(path: Path, *ends: np.ndarray, label: str = '""') -> Path:
+    rows = [" ".join(f"{n!r}" for n in row) for row in np.hstack(ends).tolist()]
+    path.write_text(
+        f"MNI Tag Point File\nVolumes = {len(ends)};\n% a comment; with a mark\n\n"
+        "Points =\n" + "\n".join(f" {row} {label}" for row in rows) + ";\n"
+    )
+    return path
+
+
+def test_tags_of_one_and_two_volumes(tmp_path: Path) -> None:
+    check(tag(tmp_path / "both.tag", SOURCE, TARGET))
+    check(tag(tmp_path / "weighted.TAG", SOURCE, TARGET, label='1.0 1 1 "p"'))
+    before, after = (
+        tag(tmp_path / f"{name}.tag", points)
+        for name, points in (("before", SOURCE), ("after", TARGET))
+    )
+    check(before, after)
+    np.testing.assert_allclose(read_points(before), SOURCE)
+    np.savetxt(tmp_path / "after.csv", TARGET, delimiter=",")
+    check(before, tmp_path / "after.csv")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("", "", "one volume, not two.*--target"),
+        ("MNI Tag", "Other", "expected an MNI Tag Point File"),
+        ("Volumes = 1", "Volumes = 3", "'Volumes = 1;' or"),
+        ("Volumes = 1", "Volumes = 2", "point 1 must be 6 coordinates"),
+        ('"";', '""', "cut off"),
+        ("1.0 2.0", "1.0 x", "cannot be read"),
+        ("1.0 2.0", "1.0 nan", "finite|not two"),
+    ],
+)
+def test_bad_tags(old: str, new: str, message: str, tmp_path: Path) -> None:
+    path = tag(tmp_path / "a.tag", SOURCE)
+    path.write_text(path.read_text().replace(old, new, 1))
+    with pytest.raises(InputError, match=message) as caught:
+        read_point_pairs(path)
+    assert "\n" not in str(caught.value) and "a.tag" in str(caught.value)
+
+
+def test_both_ends_where_one_is_wanted(tmp_path: Path) -> None:
+    both = tag(tmp_path / "both.tag", SOURCE, TARGET)
+    one = tag(tmp_path / "one.tag", TARGET)
+    for read in (lambda: read_point_pairs(both, one), lambda: read_points(both)):
+        with pytest.raises(InputError, match=r"both\.tag: .*has two volumes"):
+            read()
+
+
+RESECT = Path("/work/shared/real/resect_case1_before_after.tag")
+
+
+@pytest.mark.skipif(not RESECT.exists(), reason=f"needs {RESECT}")
+def test_the_landmarks_of_a_patient() -> None:
+    pairs = read_point_pairs(RESECT)
+    assert len(pairs.source) == 13
+    shift = np.linalg.norm(pairs.target - pairs.source, axis=1).mean()
+    assert shift == pytest.approx(5.80, abs=0.005)

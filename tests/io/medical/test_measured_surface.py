@@ -50,7 +50,7 @@ def test_what_is_no_surface_is_refused(tmp_path: Path) -> None:
     np.savetxt(few, POINTS[:4], delimiter=",")
     with pytest.raises(InputError, match=r"few\.csv: a measured surface needs 10"):
         read_surface_points(few)
-    with pytest.raises(InputError, match="must be 3 numbers"):
+    with pytest.raises(InputError, match="six columns, both ends"):
         pairs = tmp_path / "pairs.csv"
         np.savetxt(pairs, np.hstack([POINTS, POINTS]), delimiter=",")
         read_surface_points(pairs)

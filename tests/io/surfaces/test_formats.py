@@ -1,6 +1,7 @@
 import os
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 import pyvista as pv
@@ -15,7 +16,8 @@ from physgnn.io import SURFACE_READERS, read_surface
 
 FORMATS = [
     (".stl", True), (".stl", False), (".ply", True), (".ply", False),
-    (".obj", True), (".vtp", True), (".vtp", False),
+    (".obj", True), (".vtp", True), (".vtp", False), (".vtk", True), (".vtk", False),
+    (".msh", True), (".msh", False), (".inp", False), (".off", False), (".STL", True),
 ]  # fmt: skip
 
 
@@ -23,6 +25,12 @@ def save(path: Path, binary: bool = True) -> pv.PolyData:
     body = pv.Icosphere(radius=30.0, center=(10.0, -20.0, 5.0), nsub=2)
     if path.suffix == ".obj":
         body.save(path)
+    elif path.suffix in (".msh", ".inp", ".off"):
+        faces = [("triangle", body.regular_faces)]
+        made = meshio.Mesh(np.asarray(body.points, np.float64), faces)
+        form = {".msh": "gmsh", ".inp": "abaqus", ".off": "off"}[path.suffix]
+        kind = {"binary": binary} if form == "gmsh" else {}
+        meshio.write(path, made, file_format=form, **kind)
     else:
         body.save(path, binary=binary)
     return body

@@ -12,7 +12,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.image import LabelVolume
 from physgnn.io import read_mesh, read_surface
 from physgnn.io.febio.model_reader import read_febio
-from physgnn.io.medical.nifti import read_image, write_image
+from physgnn.io.medical.images.formats import read_image, write_image
 from physgnn.io.untrusted.compressed import read_npz, read_unpacked
 from physgnn.io.untrusted.limits import VARIABLE, allowed_bytes, check_size
 

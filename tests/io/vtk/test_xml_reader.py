@@ -113,9 +113,9 @@ def test_a_reader_that_crashes_or_hangs_harms_nobody(
         hurried.read(tmp_path / "a.vtk")
     process = VtkProcess()
     check(process.read(tmp_path / "a.vtk"), grid)
-    assert process._process is not None
-    process._process.kill()  # as a crash leaves it
-    process._process.wait()
+    assert process._reader._process is not None
+    process._reader._process.kill()  # as a crash leaves it
+    process._reader._process.wait()
     check(process.read(tmp_path / "a.vtk"), grid)
     process.close()
 

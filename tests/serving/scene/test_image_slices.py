@@ -38,12 +38,12 @@ def test_a_slice_shows_the_world_place_it_should(tmp_path: Path, axis: str) -> N
 
 
 def test_what_is_no_volume_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no readable NIfTI"):
+    with pytest.raises(InputError, match="no such file"):
         read_image(tmp_path / "absent.nii.gz")
     (tmp_path / "text.nii").write_text("hello")
-    with pytest.raises(InputError, match="no readable NIfTI"):
+    with pytest.raises(InputError, match="cannot be read"):
         read_image(tmp_path / "text.nii")
     flat = nibabel.Nifti1Image(np.zeros((4, 4, 2, 3), np.float32), np.eye(4))
     flat.to_filename(tmp_path / "series.nii")
-    with pytest.raises(InputError, match="three dimensions"):
+    with pytest.raises(InputError, match="series of 3 volumes"):
         read_image(tmp_path / "series.nii")

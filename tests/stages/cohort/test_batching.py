@@ -15,7 +15,7 @@ from meshes import block_mesh
 from physgnn import stages
 from physgnn.geometry.image import Image
 from physgnn.io import read_mesh, write_mesh
-from physgnn.io.medical.nifti import write_image
+from physgnn.io.medical.images.formats import write_image
 from physgnn.stages import batch
 from physgnn.stages.cohort.running import PatientResult
 from physgnn.stages.cohort.step_table import steps

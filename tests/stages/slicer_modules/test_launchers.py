@@ -25,7 +25,7 @@ from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.meshing import tetgen_process
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
-from physgnn.io.medical.nifti import write_image
+from physgnn.io.medical.images.formats import write_image
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.stages import slicer
 

@@ -90,6 +90,7 @@ CHECKS: Mapping[str, Callable[[Path], bool]] = {
     ".vtu": _IS_XML,
     ".vtp": _IS_XML,
     ".gz": _is_gzip,
+    ".mgz": _is_gzip,
     ".nii": _is_nifti,
     ".h5": _is_hdf5,
     ".npz": zipfile.is_zipfile,

@@ -1,4 +1,6 @@
-"""Measured points: CSV, and the markups of 3D Slicer (.fcsv, .mrk.json).
+"""Measured points: CSV, MNI tags, and the markups of 3D Slicer (.fcsv, .mrk.json).
+
+One table has a reader for every suffix, which returns one or more lists of points.
 
 A point of 3D Slicer has a label and a state: it may not be placed yet, be unchecked or
 hidden. Such points are left out, and of two lists their partners with them.
@@ -17,6 +19,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.measured import PointPairs
 from physgnn.imaging.transforms import points_to_ras
 from physgnn.io.medical.pairing import MarkedPoint, paired
+from physgnn.io.medical.tag import read_tag
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.text import read_json, read_text
 from physgnn.progress import Log, no_log
@@ -41,11 +44,11 @@ def read_point_pairs(
     ----------
     path : path
         A CSV of six columns (source and target x, y, z; RAS mm; a header is optional),
-        or markups of 3D Slicer: the source points, if `target` is given, else an
-        .mrk.json of two lists, source first.
+        a .tag of two volumes or an .mrk.json of two lists, source first; or, if
+        `target` is given, the source points alone, in any of these formats.
     target : path, optional
-        Markups of the target points: paired by their labels where both lists have
-        them, else in the same order.
+        The target points: paired by their labels where both lists have them, else in
+        the same order.
     log : callable
         Called with which points were left out, and why.
 
@@ -56,18 +59,17 @@ def read_point_pairs(
     """
     path = Path(path)
     with reading(path, WHAT):
-        if path.name.endswith(".csv"):
-            if target is not None:
-                raise InputError("a CSV holds both ends: give no file of targets")
-            rows = _read_csv(path, PAIR_COLUMNS)
-            return PointPairs(rows[:, :3], rows[:, 3:])
-        lists = _read_markups(path)
+        lists = _lists(path)
         if target is not None:
-            lists = [*lists[:1], *_read_markups(Path(target))[:1]]
+            _check_one_end(path, lists)
+            others = _lists(Path(target))
+            _check_one_end(Path(target), others)
+            lists = [*lists[:1], *others[:1]]
         if len(lists) != 2:
+            one, _ = BOTH_ENDS.get(path.suffix.lower(), (f"has {len(lists)}", ""))
             raise InputError(
-                f"needs two lists of points, source and target (has {len(lists)}): "
-                "give the file of the targets too"
+                f"needs two lists of points, source and target ({one}): give the file "
+                "of the targets too, as --target"
             )
         source, moved, lines = paired(*lists)
         for line in lines:
@@ -81,8 +83,8 @@ def read_points(path: str | Path, *, log: Log = no_log) -> FloatArray:
     Parameters
     ----------
     path : path
-        A CSV of three columns (RAS mm; a header is optional), or markups of 3D Slicer,
-        of which the first list is taken.
+        A CSV of three columns (RAS mm; a header is optional), a .tag of one volume, or
+        markups of 3D Slicer, of which the first list is taken.
     log : callable
         Called with which points were left out, and why.
 
@@ -93,11 +95,10 @@ def read_points(path: str | Path, *, log: Log = no_log) -> FloatArray:
     """
     path = Path(path)
     with reading(path, WHAT):
-        if path.name.endswith(".csv"):
-            return _read_csv(path, POINT_COLUMNS)
-        lists = _read_markups(path)
+        lists = _lists(path)
         if not lists:
             raise InputError("holds no list of points")
+        _check_one_end(path, lists)
         for point in lists[0]:
             if point.missing:
                 log(f"{path.name}: point '{point.label}' left out: {point.missing}")
@@ -105,29 +106,46 @@ def read_points(path: str | Path, *, log: Log = no_log) -> FloatArray:
         return np.array(there, dtype=np.float64).reshape(-1, 3)
 
 
-def _read_markups(path: Path) -> list[list[MarkedPoint]]:
-    for suffix, reader in MARKUP_READERS.items():
-        if path.name.endswith(suffix):
-            with reading(path, f"{suffix} markups of 3D Slicer"):
+def _lists(path: Path) -> list[list[MarkedPoint]]:
+    """Return the lists of points in a file, by the reader of its suffix."""
+    for suffix, reader in POINT_READERS.items():
+        if path.name.lower().endswith(suffix):
+            with reading(path, f"points, {suffix}"):
                 return reader(path)
     raise InputError(
-        f"measured points must be .csv or {', '.join(MARKUP_READERS)} "
-        f"(got '{path.name}')"
+        f"measured points must be {', '.join(POINT_READERS)} (got '{path.name}')"
     )
 
 
-def _read_csv(path: Path, columns: list[str]) -> FloatArray:
+def _check_one_end(path: Path, lists: list[list[MarkedPoint]]) -> None:
+    """Raise InputError if a file that can hold both ends of pairs holds them."""
+    if len(lists) == 2 and path.suffix.lower() in BOTH_ENDS:
+        _, two = BOTH_ENDS[path.suffix.lower()]
+        raise InputError(
+            f"{path}: expected one list of points (it {two}, both ends of pairs): give "
+            "no file of targets, or points of one time"
+        )
+
+
+def _read_csv(path: Path) -> list[list[MarkedPoint]]:
+    """Return one list of a file of three columns, two of one of six."""
     text = read_text(path, names_in_latin1=True)
     rows = [row for row in csv.reader(text.splitlines()) if row]
+    columns = PAIR_COLUMNS if rows and len(rows[0]) >= 6 else POINT_COLUMNS
     if rows and not _is_number(rows[0][0]):
         header = [name.strip().lower() for name in rows[0]]
-        if not set(columns) <= set(header):
+        wanted = (PAIR_COLUMNS, POINT_COLUMNS)
+        columns = next((names for names in wanted if set(names) <= set(header)), [])
+        if not columns:
             raise InputError(
-                f"its header must name {', '.join(columns)} (got {rows[0]})"
+                f"its header must name {' or '.join(map(', '.join, wanted))} (got "
+                f"{rows[0]})"
             )
         order = [header.index(name) for name in columns]
         rows = [[row[i] for i in order if i < len(row)] for row in rows[1:]]
-    return _numbers(rows, len(columns))
+    numbers = _numbers(rows, len(columns))
+    ends = np.split(numbers, len(columns) // 3, axis=1)
+    return [[MarkedPoint("", position) for position in end] for end in ends]
 
 
 def _read_fcsv(path: Path) -> list[list[MarkedPoint]]:
@@ -196,10 +214,17 @@ def _json_missing(control: Mapping[str, Any]) -> str:
     return "" if control.get("visibility", True) else "hidden"
 
 
-MARKUP_READERS: Mapping[str, Callable[[Path], list[list[MarkedPoint]]]] = {
+POINT_READERS: Mapping[str, Callable[[Path], list[list[MarkedPoint]]]] = {
+    ".csv": _read_csv,
+    ".tag": read_tag,
     ".fcsv": _read_fcsv,
     ".mrk.json": _read_mrk_json,
 }
+BOTH_ENDS = {
+    ".csv": ("it has three columns, not six", "has six columns"),
+    ".tag": ("it has one volume, not two", "has two volumes"),
+}
+"""What is said of one list and of two, of formats that hold both ends side by side."""
 
 
 def _is_number(value: Any) -> bool:

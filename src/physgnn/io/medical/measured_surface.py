@@ -6,7 +6,7 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.measured import SurfacePoints
-from physgnn.io.medical.markups import MARKUP_READERS, read_points
+from physgnn.io.medical.markups import POINT_READERS, read_points
 from physgnn.io.surfaces.formats import SURFACE_READERS, read_surface
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log
@@ -18,9 +18,9 @@ def read_surface_points(path: str | Path, *, log: Log = no_log) -> SurfacePoints
     Parameters
     ----------
     path : path
-        A surface (.stl, .ply, .obj, .vtp), of which the points and the middles of the
-        faces are taken; or points alone: a .csv of three columns, .fcsv, or an
-        .mrk.json of one list.
+        A surface, see `physgnn.io.surfaces.formats`, of which the points and the
+        middles of the faces are taken; or points alone: a .csv of three columns, a .tag
+        of one volume, .fcsv, or an .mrk.json of one list.
     log : callable
         Called with which points were left out, and why.
 
@@ -34,12 +34,12 @@ def read_surface_points(path: str | Path, *, log: Log = no_log) -> SurfacePoints
         surface = read_surface(path)
         middles = surface.points[surface.faces].mean(axis=1)
         points = np.concatenate([surface.points, middles])
-    elif path.name.endswith((".csv", *MARKUP_READERS)):
+    elif path.name.lower().endswith(tuple(POINT_READERS)):
         points = read_points(path, log=log)
     else:
         raise InputError(
-            f"{path}: a measured surface must be {', '.join(SURFACE_READERS)}, .csv, "
-            f"{' or '.join(MARKUP_READERS)} (got '{path.name}')"
+            f"{path}: a measured surface must be {', '.join(SURFACE_READERS)}, "
+            f"{', '.join(POINT_READERS)} (got '{path.name}')"
         )
     with reading(path, "a measured surface"):
         return SurfacePoints(points)

@@ -17,7 +17,7 @@ from physgnn.imaging.transforms import (
     to_ras_nifti,
 )
 from physgnn.io.integrity.atomic import reserve, whole_file
-from physgnn.io.medical.nifti import save_nifti
+from physgnn.io.medical.images.nifti import save_nifti
 from physgnn.io.untrusted.native_output import silent_native_code
 
 TRANSFORM_SUFFIX = ".h5"

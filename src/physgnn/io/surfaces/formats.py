@@ -1,4 +1,4 @@
-"""Surfaces from STL, PLY, OBJ and VTP files.
+"""Surfaces from STL, PLY, OBJ, VTP, legacy VTK, Gmsh, Abaqus and OFF files.
 
 3D Slicer writes models in LPS and says so by the words SPACE=LPS in a comment, or a
 field of that name in VTP; such files are turned to RAS. Others are taken as they are.
@@ -10,6 +10,7 @@ from pathlib import Path
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface
 from physgnn.imaging.transforms import points_to_ras
+from physgnn.io.surfaces.mesh_faces import read_mesh_faces
 from physgnn.io.surfaces.obj import read_obj
 from physgnn.io.surfaces.ply import read_ply
 from physgnn.io.surfaces.stl import read_stl
@@ -24,6 +25,10 @@ SURFACE_READERS: Mapping[str, Callable[[Path], Surface]] = {
     ".ply": read_ply,
     ".obj": read_obj,
     ".vtp": read_vtp,
+    ".vtk": read_mesh_faces,
+    ".msh": read_mesh_faces,
+    ".inp": read_mesh_faces,
+    ".off": read_mesh_faces,
 }
 
 
@@ -55,7 +60,9 @@ def read_surface(path: str | Path) -> Surface:
 
 
 def _space(path: Path) -> str:
-    """Return the axes that a file says it is in; RAS if it does not say."""
+    """Return the axes that points just read are in; RAS if a file does not say."""
+    if SURFACE_READERS.get(path.suffix.lower()) is read_mesh_faces:
+        return "RAS"  # turned already
     with path.open("rb") as file:
         head = file.read(HEAD_BYTES)
     if path.suffix.lower() == ".vtp" and b'Name="SPACE"' in head:

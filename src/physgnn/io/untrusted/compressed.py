@@ -8,6 +8,7 @@ within the bounds of `physgnn.io.untrusted.limits`, before anybody parses it.
 import gzip
 import io
 import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -36,8 +37,11 @@ def read_unpacked(path: str | Path) -> bytes:
         If it cannot be read, its checksum or length is wrong, or it is too large.
     """
     data = read_bytes(path)
-    if not data.startswith(GZIP_MARK):
-        return data
+    return unpacked(path, data) if data.startswith(GZIP_MARK) else data
+
+
+def unpacked(path: str | Path, data: bytes) -> bytes:
+    """Return what a gzip stream of a file holds, verified; see `read_unpacked`."""
     limit = allowed_bytes(path)
     parts, total = [], 0
     with reading(path, "a whole gzip file"), gzip.open(io.BytesIO(data)) as file:
@@ -47,6 +51,36 @@ def read_unpacked(path: str | Path) -> bytes:
             if total > limit:
                 check_size(path, total, "what it unpacks to")
     return b"".join(parts)
+
+
+def inflated(path: str | Path, data: bytes, n_bytes: int) -> bytes:
+    """Return what a zlib stream of a file holds, verified.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    data : bytes
+        The stream.
+    n_bytes : int
+        How much it must unpack to.
+
+    Raises
+    ------
+    InputError
+        If its checksum or length is wrong, it is cut off, or would be too large.
+    """
+    check_size(path, n_bytes)
+    with reading(path, "a whole zlib stream"):
+        stream = zlib.decompressobj()
+        content = stream.decompress(data, n_bytes + 1)
+        if len(content) != n_bytes or not stream.eof:
+            raise InputError(
+                f"it declares {n_bytes} bytes and unpacks to "
+                f"{'more' if len(content) > n_bytes else 'less, or is cut off'}: "
+                "export it again"
+            )
+    return content
 
 
 def read_npz(path: str | Path) -> dict[str, Array]:

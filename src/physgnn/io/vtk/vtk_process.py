@@ -1,14 +1,10 @@
-"""VTK's readers in a process of their own, which may crash without harm.
+"""VTK's readers, which may crash without harm to anybody else.
 
-This file runs as a script, which imports NumPy and VTK alone: see
-`physgnn.io.vtk.isolated` for its other side. Each line of standard input is a request
-in JSON, ``{"path": …, "out": …}``; the arrays go to the .npz file ``out``, and one line
-of JSON answers.
+`physgnn.io.untrusted.reader_process` runs this file, which imports NumPy and VTK alone:
+see `physgnn.io.vtk.isolated` for the other side.
 """
 
 import json
-import os
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,54 +13,30 @@ import numpy as np
 POLYGON, STRIP = 7, 6
 
 
-def main(limit_bytes: int) -> None:
-    """Serve requests until standard input ends."""
-    replies = os.fdopen(os.dup(1), "w")
-    silence = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(silence, 1)  # VTK writes to both
-    os.dup2(silence, 2)
-    _bound_memory(limit_bytes)
-    for line in sys.stdin:
-        request = json.loads(line)
-        try:
-            error = _serve(Path(request["path"]), Path(request["out"]))
-        except Exception as caught:
-            error = f"{type(caught).__name__}: {caught}"
-        replies.write(json.dumps({"error": error}) + "\n")
-        replies.flush()
-
-
-def _bound_memory(limit_bytes: int) -> None:
-    """Make allocations beyond a bound fail, where the system can."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return
-    resource.setrlimit(resource.RLIMIT_AS, (limit_bytes, limit_bytes))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
-def _serve(path: Path, out: Path) -> str:
-    """Read a file and write its arrays; return what VTK complains of, or nothing."""
+def serve(request: dict[str, Any]) -> dict[str, Any]:
+    """Return the arrays of a file; ValueError with what VTK complains of."""
     from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
-    from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader
+    from vtkmodules.vtkIOLegacy import vtkDataSetReader
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
     readers: dict[str, Any] = {
-        ".vtk": vtkUnstructuredGridReader,
+        ".vtk": vtkDataSetReader,
         ".vtp": vtkXMLPolyDataReader,
         ".vtu": vtkXMLUnstructuredGridReader,
     }
     window = vtkStringOutputWindow()
     vtkOutputWindow.SetInstance(window)
-    reader = readers[path.suffix.lower()]()
-    reader.SetFileName(str(path))
+    reader = readers[Path(request["path"]).suffix.lower()]()
+    reader.SetFileName(request["path"])
     reader.Update()
     complaint = " ".join(window.GetOutput().split())
     if complaint:
-        return complaint.split(" (0x")[0][:200]
-    np.savez(out, **_arrays(reader.GetOutput()))
-    return ""
+        raise ValueError(complaint.split(" (0x")[0])
+    data = reader.GetOutput()
+    kind = "nothing" if data is None else data.GetClassName()
+    if kind not in ("vtkPolyData", "vtkUnstructuredGrid"):
+        raise ValueError(f"it holds {kind}, neither polygons nor a grid of cells")
+    return _arrays(data)
 
 
 def _arrays(data: Any) -> dict[str, Any]:
@@ -103,7 +75,3 @@ def _arrays(data: Any) -> dict[str, Any]:
             names.append((part, array.GetName() or ""))
     found["names"] = np.frombuffer(json.dumps(names).encode(), np.uint8)
     return found
-
-
-if __name__ == "__main__":
-    main(int(sys.argv[1]))

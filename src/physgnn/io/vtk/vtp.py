@@ -8,6 +8,7 @@ import pyvista as pv
 from physgnn.arrays import BoolArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
+from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.xml_reader import POLYGON, STRIP
@@ -27,15 +28,27 @@ def read_vtp(path: Path) -> Surface:
     data = read_vtk(path)
     if data.n_points == 0 or len(data.connectivity) == 0:
         raise InputError(f"{path}: the surface is empty: export it again")
+    with reading(path, "a VTP surface"):
+        return merge_points(data.points, triangulated(data).astype(np.int32))
+
+
+def triangulated(data: VtkData) -> IntArray:
+    """Return the triangles of polygons and strips, (n, 3).
+
+    Raises
+    ------
+    InputError
+        If a face has fewer than three corners.
+    """
     if (np.diff(data.offsets) < SMALLEST).any():
-        raise InputError(f"{path}: a face has fewer than {SMALLEST} corners")
+        raise InputError(f"a face has fewer than {SMALLEST} corners")
     polygons = pv.PolyData(
         data.points,
         faces=_with_counts(data, data.cell_types == POLYGON),
         strips=_with_counts(data, data.cell_types == STRIP),
     )
-    faces = polygons.triangulate().regular_faces
-    return merge_points(data.points, faces.astype(np.int32))
+    triangles: IntArray = polygons.triangulate().regular_faces.astype(np.int64)
+    return triangles
 
 
 def _with_counts(data: VtkData, chosen: BoolArray) -> IntArray | None:

@@ -1,7 +1,7 @@
 """Extremely random trees per node (Lorente et al. 2017)."""
 
-from physgnn.learning.classical.nodal_learner import NodalLearner
-from physgnn.learning.classical.random_trees import RandomTrees
+from physgnn.learning.classical.estimators.random_trees import RandomTrees
+from physgnn.learning.classical.learners.nodal_learner import NodalLearner
 from physgnn.mechanics.body import Body
 
 

@@ -1,7 +1,7 @@
 """A small network per node (Tonutti et al. 2017)."""
 
-from physgnn.learning.classical.nodal_learner import NodalLearner
-from physgnn.learning.classical.scaled_network import ScaledNetwork
+from physgnn.learning.classical.estimators.scaled_network import ScaledNetwork
+from physgnn.learning.classical.learners.nodal_learner import NodalLearner
 from physgnn.mechanics.body import Body
 
 

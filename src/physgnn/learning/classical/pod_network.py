@@ -1,7 +1,7 @@
 """A small network from the load to the weights of POD modes (Liu et al. 2020)."""
 
-from physgnn.learning.classical.pod_learner import PODLearner
-from physgnn.learning.classical.scaled_network import ScaledNetwork
+from physgnn.learning.classical.estimators.scaled_network import ScaledNetwork
+from physgnn.learning.classical.learners.pod_learner import PODLearner
 from physgnn.mechanics.body import Body
 
 

@@ -3,13 +3,15 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import nibabel
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
+from physgnn.io.medical.images.formats import read_voxels
+from physgnn.io.medical.images.voxels import ReadOptions
+from physgnn.progress import Log, no_log
 from physgnn.serving.scene.section import AXES
 
 Bytes = NDArray[np.uint8]
@@ -55,8 +57,8 @@ class GreyVolume:
         return grey
 
 
-def read_image(path: str | Path) -> GreyVolume:
-    """Read a NIfTI volume, or the bundled template for the name "mni152".
+def read_image(path: str | Path, *, log: Log = no_log) -> GreyVolume:
+    """Read an image of any format, or the bundled template for the name "mni152".
 
     Raises
     ------
@@ -66,16 +68,16 @@ def read_image(path: str | Path) -> GreyVolume:
     if str(path) == BUNDLED:
         from nilearn.datasets import load_mni152_template  # takes seconds to import
 
-        volume = load_mni152_template(resolution=1)
+        bundled = load_mni152_template(resolution=1)
+        values, affine = np.asarray(bundled.dataobj), bundled.affine
     else:
-        try:
-            volume = nibabel.load(path)
-        except (OSError, nibabel.filebasedimages.ImageFileError) as error:
-            raise InputError(f"{path} is no readable NIfTI image ({error})") from error
-    values = np.asarray(volume.dataobj, dtype=np.float32)
-    if values.ndim != 3:
-        raise InputError(f"{path} must have three dimensions (got {values.ndim})")
-    return GreyVolume(_windowed(values), np.linalg.inv(volume.affine))
+        voxels = read_voxels(Path(path), ReadOptions(log=log))
+        if voxels.data.ndim != 3:
+            raise InputError(
+                f"{path}: this is a segmentation in layers: give the image"
+            )
+        values, affine = voxels.data, voxels.affine
+    return GreyVolume(_windowed(values.astype(np.float32)), np.linalg.inv(affine))
 
 
 def _windowed(values: NDArray[np.float32]) -> Bytes:

@@ -40,21 +40,25 @@ def mesh(
     ignore_labels: bool = False,
     any_size: bool = False,
     affine: str | None = None,
+    series: str | None = None,
     log: Log = no_log,
 ) -> TetMesh:
     """Fill surfaces, or a label map, with tetrahedra and name point sets.
+
+    A mesh of tetrahedra that another program made is taken over as it is.
 
     Parameters
     ----------
     out : path
         Where the mesh goes, VTU.
     segmentation : path, optional
-        NIfTI label map; or else `brain`, or `mni152`.
+        Label map, see `physgnn.io.medical.images.formats`, or a mesh of tetrahedra, see
+        `physgnn.stages.patient.mesh_files`; or else `brain`, or `mni152`.
     labels, brain_mask, smoothing_mm, closing_mm
         How the label map is read: see
         `physgnn.stages.patient.segmentation.mesh_segmentation`.
     brain : path, optional
-        Surface of the brain: STL, PLY, OBJ or VTP, in mm.
+        Surface of the brain, in mm: see `physgnn.io.surfaces.formats`.
     tumour : sequence of path
         Surfaces inside the brain.
     mni152 : bool
@@ -74,6 +78,8 @@ def mesh(
     affine : str, optional
         "sform" or "qform": which place of a label map is meant where its header has two
         that disagree.
+    series : str, optional
+        The UID of the series that is meant, where a label map is a folder of DICOM.
     log : callable
         Called with what was repaired, and the mesh's size and quality.
 
@@ -85,6 +91,7 @@ def mesh(
     from physgnn.config import read_point_sets
     from physgnn.io import write_mesh
     from physgnn.io.integrity.atomic import check_folder
+    from physgnn.stages.patient.mesh_files import is_mesh_file, mesh_of_file
     from physgnn.stages.patient.segmentation import mesh_segmentation
 
     check_folder(Path(out))
@@ -95,7 +102,21 @@ def mesh(
         "quality_floor": quality_floor,
         "log": log,
     }
-    if segmentation is not None:
+    if segmentation is not None and is_mesh_file(segmentation):
+        kept = (target_points, max_volume_mm3, brain_mask, smoothing_mm, closing_mm)
+        if any(option is not None for option in kept):
+            raise InputError(
+                "a mesh keeps its cells: leave out --target-points, --max-volume-mm3, "
+                "--brain-mask, --smoothing-mm and --closing-mm"
+            )
+        made = mesh_of_file(
+            segmentation,
+            labels,
+            ignore_labels=ignore_labels,
+            any_size=any_size,
+            **shared,
+        )
+    elif segmentation is not None:
         made = mesh_segmentation(
             segmentation,
             labels,
@@ -108,6 +129,7 @@ def mesh(
             ignore_labels=ignore_labels,
             any_size=any_size,
             affine=affine,
+            series=series,
             **shared,
         )
     else:

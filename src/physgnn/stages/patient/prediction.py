@@ -54,7 +54,7 @@ def predict(
     """
     from physgnn.io import read_load_case
     from physgnn.io.displacement_files import DisplacementFields, form_of
-    from physgnn.io.medical.nifti import read_image
+    from physgnn.io.medical.images.formats import read_image
     from physgnn.learning.models import build_model
     from physgnn.prediction.predictor import Predictor
 

@@ -10,9 +10,9 @@ from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.regions import REGIONS
 from physgnn.io import read_mesh
 from physgnn.io.displacement_files import DisplacementFields, form_of
+from physgnn.io.medical.images.formats import read_image
 from physgnn.io.medical.markups import read_point_pairs
 from physgnn.io.medical.measured_surface import read_surface_points
-from physgnn.io.medical.nifti import read_image
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES

@@ -1,7 +1,7 @@
 """From a label map to a mesh."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +26,11 @@ from physgnn.geometry.segmentation.label_tables import (
     label_table,
     resolved,
 )
+from physgnn.geometry.segmentation.tissue_names import DEFAULT, tissues_by_name
 from physgnn.geometry.segmentation.ventricles import with_ventricles
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging import deformed_labels
-from physgnn.io.medical.nifti import read_image, read_segmentation
+from physgnn.io.medical.images.formats import read_image, read_segmentation
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log
 from physgnn.stages.patient.meshing import mesh_surfaces
@@ -45,12 +46,15 @@ class LabelOptions:
         See `mesh_segmentation`.
     affine : str, optional
         "sform" or "qform", where the two disagree.
+    series : str, optional
+        The UID of a DICOM series.
     ignore_labels, any_size : bool
         Whether labels may be left out, and the brain be of any size.
     """
 
     brain_mask: str | Path | None = None
     affine: str | None = None
+    series: str | None = None
     ignore_labels: bool = False
     any_size: bool = False
 
@@ -68,19 +72,21 @@ def mesh_segmentation(
     Parameters
     ----------
     path : path
-        NIfTI label map.
+        Label map of any format in `physgnn.io.medical.images.formats`.
     labels : str
         A name in `physgnn.geometry.segmentation.label_tables.LABEL_TABLES`, or such as
-        ``"brain=1,tumour=4"``.
+        ``"brain=1,tumour=4"``. Of a segmentation of 3D Slicer, "mask" goes by the names
+        of its segments, and the list may have these names instead of numbers.
     target_points : int
         About how many points the mesh shall have.
     log : callable
         Called with what each label was taken for, what was repaired, and how volumes
         and surfaces compare.
     **options
-        ``brain_mask``: NIfTI image, not 0 in the brain, which fills what has no label;
+        ``brain_mask``: image, not 0 in the brain, which fills what has no label;
         label maps of tumours alone need it (BraTS; the skull-stripped T1 will do).
-        ``affine``: "sform" or "qform", where the two disagree. ``ignore_labels=True``:
+        ``affine``: "sform" or "qform", where the two disagree. ``series``: UID of a
+        DICOM series. ``ignore_labels=True``:
         labels that are not named may be left out. ``any_size=True``: the brain may have
         less than 50 or more than 2500 ml. ``smoothing_mm`` and ``closing_mm`` of
         `extract_surfaces`; ``rules`` and ``quality_floor`` of
@@ -128,10 +134,10 @@ def _label_map(
     path: str | Path, labels: str, read: LabelOptions, log: Log
 ) -> tuple[LabelVolume, LabelTable]:
     """Return a label map and what its labels mean, once all of it is accounted for."""
-    volume = read_segmentation(path, affine=read.affine, log=log)
+    volume = read_segmentation(path, affine=read.affine, series=read.series, log=log)
     check_is_segmentation(volume)
     name, lines = resolved(labels, label_volumes(volume))
-    table = label_table(name)
+    table = label_table(name) if not volume.names else _named(labels, name, volume)
     if read.brain_mask is not None:
         volume = _with_brain(volume, table, read, log)
     elif table.needs_mask and not (volume.data == MASKED).any():
@@ -149,6 +155,14 @@ def _label_map(
     for line in (*unused, *_check_brain(volumes, table, read)):
         log(line)
     return volume, table
+
+
+def _named(labels: str, name: str, volume: LabelVolume) -> LabelTable:
+    """Return what the labels of a file mean that has names for them."""
+    if labels in LABEL_TABLES and labels != DEFAULT:
+        return label_table(name)
+    tissues = tissues_by_name(labels, sorted(label_volumes(volume)), volume.names)
+    return LabelTable(tissues, names=volume.names)
 
 
 def _check_brain(
@@ -181,4 +195,4 @@ def _with_brain(
         log(line)
     brain = table.labels["brain"][0]
     data = np.where((labels.data == 0) & inside, brain, labels.data)
-    return LabelVolume(data, labels.affine)
+    return replace(labels, data=data)

@@ -25,7 +25,7 @@ def view(
     port : int
         On 127.0.0.1; 0 takes a free one.
     image : path, optional
-        NIfTI volume for sections, or "mni152".
+        Image for sections, or "mni152".
     igtl : int, optional
         Port to stream the deformation from by OpenIGTLink; 0 takes a free one.
     igtl_surfaces : bool

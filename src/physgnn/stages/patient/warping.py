@@ -17,7 +17,12 @@ from physgnn.imaging import (
 from physgnn.imaging import warp as warped
 from physgnn.imaging.slices import middle_of_shift
 from physgnn.io.integrity.atomic import whole_file
-from physgnn.io.medical.nifti import read_image, read_segmentation, write_image
+from physgnn.io.medical.images.formats import (
+    named_like,
+    read_image,
+    read_segmentation,
+    write_image,
+)
 from physgnn.io.medical.transforms import write_field
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.progress import Log, no_log
@@ -37,6 +42,7 @@ def warp(
     jacobian: str | Path | None = None,
     slices: str | Path | None = None,
     affine: str | None = None,
+    series: str | None = None,
     log: Log = no_log,
 ) -> Image:
     """Deform an image as a prediction says, and write what goes with it.
@@ -44,11 +50,12 @@ def warp(
     Parameters
     ----------
     image : path
-        NIfTI of the rest state.
+        Image of the rest state, see `physgnn.io.medical.images.formats`.
     prediction : path
         VTU with the point array ``displacement_mm``.
     out : path
-        NIfTI of the deformed state, on the same voxels.
+        Image of the deformed state, on the same voxels; in the image's own format if
+        the name says none.
     labels : bool
         The image is a label map.
     interpolation : str, optional
@@ -62,6 +69,8 @@ def warp(
     affine : str, optional
         "sform" or "qform": which place of the image is meant where its header has two
         that disagree.
+    series : str, optional
+        The UID of the series that is meant, where the image is a folder of DICOM.
     log : callable
         Gets a line on the round trip's error, on what folds, and on why the
         displacement was not called ok if it was not.
@@ -73,10 +82,10 @@ def warp(
     """
     mesh, u = read_displacement(prediction, log=log)
     read = read_segmentation if labels else read_image
-    before = read(image, affine=affine, log=log)
+    before = read(image, affine=affine, series=series, log=log)
     inverse = inverse_field(mesh, u, before.grid)
     after = warped(before, inverse, interpolation=interpolation)
-    write_image(out, after)
+    write_image(named_like(out, image), after)
     error = round_trip_mm(forward_field(mesh, u, before.grid), inverse)
     if len(error):
         log(
@@ -87,7 +96,7 @@ def warp(
     for path in field:
         write_field(path, inverse)
     if jacobian is not None:
-        write_image(jacobian, jacobian_image(mesh, u, before.grid))
+        write_image(named_like(jacobian, image), jacobian_image(mesh, u, before.grid))
     if slices is not None:
         _save_figure(slices, before_after(before, after, middle_of_shift(mesh, u)))
     return after

@@ -147,7 +147,7 @@ def _write_forms(
     if not others:
         return
     from physgnn.io.displacement_files import DisplacementFields, form_of
-    from physgnn.io.medical.nifti import read_image
+    from physgnn.io.medical.images.formats import read_image
     from physgnn.io.vtk.prediction_file import read_displacement
 
     body, displacement = read_displacement(values["out"])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.io.medical.nifti import read_image
+from physgnn.io.medical.images.formats import read_image
 
 AFFINE = np.diag([-2.0, 2.0, 3.0, 1.0])
 AFFINE[:3, 3] = 30, -20, 10

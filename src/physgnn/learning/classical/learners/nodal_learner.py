@@ -4,8 +4,8 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.storage.store import Store
-from physgnn.learning.classical.load_features import LoadFeatures, Rows
-from physgnn.learning.classical.row_learner import RowLearner
+from physgnn.learning.classical.learners.load_features import LoadFeatures, Rows
+from physgnn.learning.classical.learners.row_learner import RowLearner
 from physgnn.mechanics.loads.paths import LoadCase
 
 N_ROWS = 500_000  # (sample, node) pairs to learn from, to bound memory

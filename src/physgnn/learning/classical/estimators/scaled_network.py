@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
 
-from physgnn.learning.classical.estimator import Rows
+from physgnn.learning.classical.estimators.estimator import Rows
+from physgnn.learning.classical.estimators.scaling import Scaling
 from physgnn.learning.surrogate import Arrays
 
 
@@ -33,10 +34,7 @@ class ScaledNetwork:
 
     def fit(self, inputs: Rows, targets: Rows) -> "ScaledNetwork":
         """Learn from (n, n_inputs) and (n, n_targets)."""
-        self._middle, width = inputs.mean(axis=0), inputs.std(axis=0)
-        self._width = np.where(width > 0, width, 1.0).astype(np.float32)
-        self._mean = targets.mean(axis=0)
-        self._unit = np.float32((targets - self._mean).std() or 1.0)
+        self._scaling = Scaling.of(inputs, targets)
         network = MLPRegressor(
             hidden_layer_sizes=self._hidden,
             max_iter=self._epochs,
@@ -45,35 +43,29 @@ class ScaledNetwork:
         )
         with warnings.catch_warnings():  # the epochs are a budget, not a failure
             warnings.simplefilter("ignore", ConvergenceWarning)
-            network.fit(self._scaled(inputs), (targets - self._mean) / self._unit)
+            network.fit(self._scaling.inputs(inputs), self._scaling.targets(targets))
         self._layers = list(zip(network.coefs_, network.intercepts_, strict=True))
         return self
 
     def predict(self, inputs: Rows) -> Rows:
         """Return (n, n_targets)."""
-        found = self._scaled(inputs)
+        found = self._scaling.inputs(inputs)
         for weights, bias in self._layers[:-1]:
             found = np.maximum(found @ weights + bias, 0.0)
         weights, bias = self._layers[-1]
-        scaled: Rows = (found @ weights + bias) * self._unit + self._mean
-        return scaled
-
-    def _scaled(self, inputs: Rows) -> Rows:
-        scaled: Rows = (inputs - self._middle) / self._width
-        return scaled
+        displaced: Rows = self._scaling.back(found @ weights + bias)
+        return displaced
 
     def arrays(self) -> Arrays:
         """Return scales, weights and biases."""
-        found = {"middle": self._middle, "width": self._width, "mean": self._mean}
-        found["unit"] = np.array([self._unit])
+        found = dict(self._scaling.arrays())
         for i, (weights, bias) in enumerate(self._layers):
             found |= {f"weights.{i}": weights, f"bias.{i}": bias}
         return found
 
     def restore(self, arrays: Arrays) -> None:
         """Take what `arrays` returned."""
-        self._middle, self._width = arrays["middle"], arrays["width"]
-        self._mean, self._unit = arrays["mean"], arrays["unit"][0]
+        self._scaling = Scaling.restored(arrays)
         self._layers = [
             (arrays[f"weights.{i}"], arrays[f"bias.{i}"])
             for i in range(len(self._hidden) + 1)

@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 from physgnn.arrays import IntArray
 from physgnn.dataset.storage.store import Store
-from physgnn.learning.classical.estimator import Estimator
-from physgnn.learning.classical.load_features import LoadFeatures
+from physgnn.learning.classical.estimators.estimator import Estimator
+from physgnn.learning.classical.learners.load_features import LoadFeatures
 from physgnn.learning.surrogate import Arrays, Surrogate
 from physgnn.mechanics.body import Body
 

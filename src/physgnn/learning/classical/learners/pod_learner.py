@@ -6,9 +6,9 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.storage.store import Store
-from physgnn.learning.classical.estimator import Estimator
-from physgnn.learning.classical.load_features import LoadFeatures, Rows
-from physgnn.learning.classical.row_learner import RowLearner
+from physgnn.learning.classical.estimators.estimator import Estimator
+from physgnn.learning.classical.learners.load_features import LoadFeatures, Rows
+from physgnn.learning.classical.learners.row_learner import RowLearner
 from physgnn.learning.surrogate import Arrays
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadCase

@@ -6,7 +6,7 @@ import pytest
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
-from physgnn.io.medical.nifti import read_image, read_segmentation, write_image
+from physgnn.io.medical.images.formats import read_image, read_segmentation, write_image
 
 AFFINE = np.array(
     [[-1.0, 0, 0, 90], [0, 0.8, -0.6, -20], [0, 0.6, 0.8, 5], [0, 0, 0, 1]]
@@ -40,7 +40,7 @@ def test_bad_files_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         read_image(tmp_path / "absent.nii")
     (tmp_path / "scan.dcm").write_bytes(b"x")
-    with pytest.raises(InputError, match="dcm2niix"):
+    with pytest.raises(InputError, match="DICOM files"):
         read_image(tmp_path / "scan.dcm")
     for name in ("text.nii", "text.nii.gz"):
         (tmp_path / name).write_text("this is no image" * 100)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from physgnn.dataset.storage.store import Store
-from physgnn.learning.classical import nodal_learner
-from physgnn.learning.classical.nodal_learner import NodalLearner
-from physgnn.learning.classical.pod_learner import PODLearner
-from physgnn.learning.classical.row_learner import RowLearner
+from physgnn.learning.classical.learners import nodal_learner
+from physgnn.learning.classical.learners.nodal_learner import NodalLearner
+from physgnn.learning.classical.learners.pod_learner import PODLearner
+from physgnn.learning.classical.learners.row_learner import RowLearner
 
 
 class LeastSquares:

@@ -1,21 +1,34 @@
-"""Extremely randomised trees, scikit-learn's, kept as arrays."""
+"""Regression trees of three kinds, scikit-learn's, kept as arrays."""
 
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from sklearn.ensemble import ExtraTreesRegressor
+from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
 
 from physgnn.arrays import FloatArray
-from physgnn.learning.classical.estimator import Rows
+from physgnn.learning.classical.estimators.estimator import Rows
 from physgnn.learning.surrogate import Arrays
 
 LEAF = -1
 
+EXTRA, FOREST, SINGLE = "extra", "forest", "single"
+
+GROWN: Mapping[str, Callable[..., Any]] = {
+    EXTRA: partial(ExtraTreesRegressor, max_features=1 / 3),
+    FOREST: partial(RandomForestRegressor, max_features=1 / 3),
+    SINGLE: partial(RandomForestRegressor, bootstrap=False, max_features=None),
+}
+"""How trees are grown: splits drawn at random (Geurts et al. 2006); the best splits on
+rows drawn with replacement (Breiman 2001); the best splits on all rows. The first two
+look at a third of the inputs at a split, as is usual for regression."""
+
 
 class RandomTrees:
-    """Extremely randomised trees (Geurts et al. 2006), grown in one thread.
+    """Trees whose mean is the prediction, grown in one thread.
 
     Parameters
     ----------
@@ -25,19 +38,22 @@ class RandomTrees:
         Rows in a leaf, at least.
     seed : int
         Of the splits.
+    grown : str
+        A row of ``GROWN``.
     """
 
-    def __init__(self, n_trees: int, *, smallest_leaf: int, seed: int) -> None:
+    def __init__(
+        self, n_trees: int, *, smallest_leaf: int, seed: int, grown: str = EXTRA
+    ) -> None:
         self._n_trees, self._smallest_leaf = n_trees, smallest_leaf
-        self._seed = seed
+        self._seed, self._grown = seed, grown
         self._arrays: dict[str, NDArray[Any]] = {}
 
     def fit(self, inputs: Rows, targets: Rows) -> "RandomTrees":
         """Learn from (n, n_inputs) and (n, n_targets)."""
-        forest = ExtraTreesRegressor(
-            self._n_trees,
+        forest = GROWN[self._grown](
+            n_estimators=self._n_trees,
             min_samples_leaf=self._smallest_leaf,
-            max_features=1 / 3,
             random_state=self._seed,
             n_jobs=1,
         )

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physgnn.dataset.storage.store import Store
-from physgnn.learning.classical.load_features import LoadFeatures
+from physgnn.learning.classical.learners.load_features import LoadFeatures
 from physgnn.mechanics.loads.paths import LoadCase
 
 
