@@ -26,7 +26,7 @@ bundled: setup
 	$(BIN)/physgnn bundle data/bundled
 
 docs: setup
-	DISABLE_MKDOCS_2_WARNING=true NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	$(BIN)/properdocs build --strict --quiet --config-file mkdocs.yml
 
 test: setup docs
 	$(BIN)/ruff format --check .
