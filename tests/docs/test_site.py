@@ -13,7 +13,7 @@ from documented_pages import ROOT
 
 WORDS = {  # a word, and a page that has it
     "locking": "glossary.html",
-    "physgnn.stages.patient.registration.register": "reference/api/",
+    "boundary_faces": "reference/api/",
     "--tolerance-mm": "reference/commands.html",
 }
 pytestmark = pytest.mark.slow

@@ -16,6 +16,18 @@ if TYPE_CHECKING:
 def read_training(path: str | Path | None, **changes: Any) -> "TrainingConfig":
     """Read a training configuration; `changes` that are not None win over the file.
 
+    Parameters
+    ----------
+    path : path or None
+        The TOML file; None for defaults and `changes` alone.
+    **changes
+        Fields of the configuration.
+
+    Returns
+    -------
+    TrainingConfig
+        The configuration.
+
     Raises
     ------
     InputError
