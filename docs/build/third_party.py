@@ -14,7 +14,7 @@ PAGE = ROOT / "THIRD_PARTY.md"
 CONSTRAINTS = ROOT / "constraints.txt"
 LONGEST = 60  # what is longer is the text of a licence, not its name
 OSI = "License :: OSI Approved :: "
-# what metadata cannot tell: of an extra that is not installed, and of code within a wheel
+# what metadata cannot tell: of extras not installed, and of code within a wheel
 BY_HAND = {
     "crcmod": "MIT",
     "pyigtl": "MIT",
