@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.materials import Material
 from physgnn.progress import Progress
+from physgnn.versions import release
 
 Reader = Callable[[Path], list[Simulation]]
 
@@ -105,7 +105,7 @@ def import_results(
             provenance={
                 "solver": "imported",
                 "imported_from": [str(source) for source in sources],
-                "physgnn": version("physgnn"),
+                "physgnn": release("physgnn"),
             },
         )
         for i, simulation in enumerate(found):

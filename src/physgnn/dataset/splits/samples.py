@@ -67,6 +67,18 @@ def split_published(store: Store, seed: int = 1) -> Split:
 
     With all samples converged and seed 1 this is the published split: Python's
     ``random.Random(1).shuffle`` of the samples path by path, level by level.
+
+    Parameters
+    ----------
+    store : Store
+        The dataset; its converged samples are split.
+    seed : int
+        Of the draw; the same seed gives the same split.
+
+    Returns
+    -------
+    Split
+        Samples for training, validation and testing: rows of (path, level).
     """
     samples = store.samples()
     order = list(range(len(samples)))
@@ -76,12 +88,37 @@ def split_published(store: Store, seed: int = 1) -> Split:
 
 
 def split_path(store: Store, seed: int = 0) -> Split:
-    """Hold out whole load paths: 20 % for validation, 10 % for testing."""
+    """Hold out whole load paths: 20 % for validation, 10 % for testing.
+
+    Parameters
+    ----------
+    store : Store
+        The dataset; its converged samples are split.
+    seed : int
+        Of the draw; the same seed gives the same split.
+
+    Returns
+    -------
+    Split
+        Samples for training, validation and testing: rows of (path, level).
+    """
     return _split_groups("path", store, np.arange(store.n_paths), seed)
 
 
 def split_node(store: Store, seed: int = 0) -> Split:
     """Hold out loaded nodes: no test path loads a node that a training path loads.
+
+    Parameters
+    ----------
+    store : Store
+        The dataset; its converged samples are split.
+    seed : int
+        Of the draw; the same seed gives the same split.
+
+    Returns
+    -------
+    Split
+        Samples for training, validation and testing: rows of (path, level).
 
     Raises
     ------
@@ -106,7 +143,20 @@ SPLITS: dict[str, Callable[..., Split]] = {
 
 
 def named_split(name: str, store: Store) -> Split:
-    """Return a split by its name; InputError names those there are."""
+    """Return a split by its name; InputError names those there are.
+
+    Parameters
+    ----------
+    name : str
+        A row of ``SPLITS``.
+    store : Store
+        The dataset; its converged samples are split.
+
+    Returns
+    -------
+    Split
+        Samples for training, validation and testing: rows of (path, level).
+    """
     if name not in SPLITS:
         raise InputError(f"no split '{name}' (there are: {', '.join(sorted(SPLITS))})")
     return SPLITS[name](store)

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Mapping
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from physgnn.io.febio.run import find_febio
 from physgnn.progress import Progress
 from physgnn.stages.datasets.chosen_loads import chosen_preset
 from physgnn.stages.datasets.provenance import command_line
+from physgnn.versions import release
 
 
 def simulate(
@@ -136,7 +136,7 @@ def simulate_mesh(
         provenance={
             "preset": name,
             "solver": solver,
-            "physgnn": version("physgnn"),
+            "physgnn": release("physgnn"),
             **(source or {}),
         },
     )

@@ -76,6 +76,11 @@ def fit_material(
     chart : path, optional
         Picture of stress over stretch with the fitted curves, .png.
 
+    Returns
+    -------
+    FittedMaterial
+        The material, and how well it follows each curve.
+
     Raises
     ------
     InputError

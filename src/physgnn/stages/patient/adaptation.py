@@ -58,6 +58,11 @@ def adapt(
     loads : path, optional
         TOML with point sets, materials and loads: see `physgnn.config.simulation`.
 
+    Returns
+    -------
+    Adapted
+        The size of the mesh, the seconds it took, and what the bounds promise.
+
     Raises
     ------
     InputError

@@ -83,6 +83,11 @@ def mesh(
     log : callable
         Called with what was repaired, and the mesh's size and quality.
 
+    Returns
+    -------
+    TetMesh
+        The mesh that was written; mm.
+
     Raises
     ------
     InputError

@@ -47,6 +47,11 @@ def predict(
     estimate : {"physical", "quick"}
         How the error is estimated; see `physgnn.prediction.Predictor`.
 
+    Returns
+    -------
+    Prediction
+        The displacement that was written, mm, with its status and error bound.
+
     Raises
     ------
     InputError

@@ -67,6 +67,11 @@ def register(
     log : callable
         Called with which measured points were left out, and why.
 
+    Returns
+    -------
+    Registration
+        The displacement that was written, mm, with its deviation, bound and status.
+
     Raises
     ------
     InputError
