@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from physgnn.stages import published as published
     from physgnn.stages import register as register
     from physgnn.stages import reproduce as reproduce
+    from physgnn.stages import segment as segment
     from physgnn.stages import selftest as selftest
     from physgnn.stages import simulate as simulate
     from physgnn.stages import train as train
@@ -93,6 +94,7 @@ _HOME = {
     "published": "stages",
     "register": "stages",
     "reproduce": "stages",
+    "segment": "stages",
     "selftest": "stages",
     "simulate": "stages",
     "train": "stages",
