@@ -22,8 +22,8 @@ def mesh(
         str,
         typer.Option(
             help="Which label is which tissue: the name of a convention (mask, "
-            "segment, freesurfer, brats, or exactly one of brats-2020, brats-2023, brats-post "
-            "and msd) or a list such as brain=1,tumour=4."
+            "segment, freesurfer, brats, or exactly one of brats-2020, brats-2023, "
+            "brats-post and msd) or a list such as brain=1,tumour=4."
         ),
     ] = "mask",
     brain_mask: Annotated[

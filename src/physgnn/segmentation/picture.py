@@ -36,7 +36,8 @@ def outlines(image: Image, labels: LabelVolume, title: str) -> Figure:
     masks[1] = whole
     shown = masks.get(2, masks.get(3, whole))
     centre = np.rint(np.argwhere(shown).mean(axis=0)).astype(int)
-    low, high = np.percentile(cubes.data[whole], PER_CENT)
+    grey = np.asarray(cubes.data, dtype=np.float64)
+    low, high = np.percentile(grey[whole], PER_CENT)
     figure = Figure(figsize=(3 * PANEL_INCHES, 2 * PANEL_INCHES + 0.5))
     axes = figure.subplots(2, 3)
     for column, (name, axis) in enumerate(PLANES.items()):
@@ -45,7 +46,7 @@ def outlines(image: Image, labels: LabelVolume, title: str) -> Figure:
             at = min(int(centre[axis]) + step, whole.shape[axis] - 1)
             panel = axes[row, column]
             panel.imshow(
-                np.take(cubes.data, at, axis).T,
+                np.take(grey, at, axis).T,
                 cmap="gray",
                 origin="lower",
                 vmin=low,

@@ -1,6 +1,7 @@
 """Whether an image can be an MR scan of a head."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
@@ -32,8 +33,8 @@ def check_scan(image: Image, *, any_size: bool = False) -> None:
     extent = image.grid.voxel_mm * data.shape
     if min(data.shape) < FEWEST or (extent.min() < SHORTEST_MM and not any_size):
         raise InputError(
-            f"a scan of a head must have {FEWEST} voxels and {SHORTEST_MM:g} mm or more "
-            f"along each axis (this has {tuple(data.shape)} voxels, "
+            f"a scan of a head must have {FEWEST} voxels and {SHORTEST_MM:g} mm or "
+            f"more along each axis (this has {tuple(data.shape)} voxels, "
             f"{np.round(extent, 1).tolist()} mm): give the whole scan"
         )
     if data.min() == data.max():
@@ -49,7 +50,7 @@ def check_scan(image: Image, *, any_size: bool = False) -> None:
     _check_no_labels(data)
 
 
-def _check_no_labels(data: np.ndarray) -> None:  # type: ignore[type-arg]
+def _check_no_labels(data: NDArray[np.generic]) -> None:
     some = data[tuple(slice(None, None, 2) for _ in range(3))]
     values = np.unique(some)
     first, second = data[:-1], data[1:]

@@ -96,7 +96,7 @@ def _fluid_limit(
     kept = values[(values >= low) & (values <= high)]
     if low >= high:
         return 0.0, "all of the brain has one intensity"
-    first, second = threshold_multiotsu(kept, classes=3)
+    first, second = threshold_multiotsu(kept, classes=3)  # type: ignore[no-untyped-call]
     dark, brightest = kept[kept < first].mean(), kept[kept >= second].mean()
     if bright:
         rest = kept[kept < second].mean()
