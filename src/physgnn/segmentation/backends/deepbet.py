@@ -5,6 +5,7 @@ It was trained on T1 scans of healthy adults. Its graphical interface is not imp
 its weights are TorchScript, which runs no Python of the file's.
 """
 
+import warnings
 from importlib.util import find_spec
 
 import nibabel as nib
@@ -32,7 +33,9 @@ def brain(image: Image) -> BoolArray:
 
     scan = nib.Nifti1Image(np.asarray(image.data, np.float32), image.affine)
     try:
-        _, mask, _ = BrainExtraction(no_gpu=True).run(scan)
+        with warnings.catch_warnings():  # torch is to replace what loads TorchScript
+            warnings.simplefilter("ignore", DeprecationWarning)
+            _, mask, _ = BrainExtraction(no_gpu=True).run(scan)
     except (AssertionError, ValueError) as error:  # too few voxels of foreground
         raise InputError(
             "deepbet finds no brain in the scan: check that it is a T1 of a head, or "

@@ -7,6 +7,7 @@ Apache-2.0. One of its five networks is used, without mirrored copies. Its wheel
 
 import contextlib
 import io
+import warnings
 from importlib.util import find_spec
 
 import numpy as np
@@ -27,7 +28,8 @@ def brain(image: Image) -> BoolArray:
     # it takes axes in ITK's order, the slices first, and prints what it does
     data = np.asarray(image.data, np.float32).T
     spacing = tuple(image.grid.voxel_mm[::-1])
-    with contextlib.redirect_stdout(io.StringIO()):
+    with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
         _, mask = hd_bet(
             data, spacing, mode="fast", device="cpu", postprocess=True, do_tta=False
         )
