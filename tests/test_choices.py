@@ -15,6 +15,8 @@ from physgnn.learning.training.schedules import SCHEDULES
 from physgnn.mechanics.elements.tet4 import ELEMENTS
 from physgnn.mechanics.materials.fitted_laws import FAMILIES
 from physgnn.registration.skull import SUPPORTS
+from physgnn.segmentation.backends import BACKENDS
+from physgnn.segmentation.segment import FLUID_IS_BRIGHT
 
 
 @pytest.mark.parametrize(
@@ -33,6 +35,8 @@ from physgnn.registration.skull import SUPPORTS
         (choices.Skull, SUPPORTS),
         (choices.Interpolation, INTERPOLATIONS),
         (choices.AffineForm, FORMS),
+        (choices.BrainBackend, [choices.BrainBackend.AUTO, *BACKENDS]),
+        (choices.Contrast, FLUID_IS_BRIGHT),
     ],
 )
 def test_every_name_has_a_row_and_every_row_a_name(names: type, rows: object) -> None:

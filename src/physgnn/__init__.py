@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from physgnn.stages import published as published
     from physgnn.stages import register as register
     from physgnn.stages import reproduce as reproduce
+    from physgnn.stages import segment as segment
     from physgnn.stages import selftest as selftest
     from physgnn.stages import simulate as simulate
     from physgnn.stages import slicer as slicer
@@ -96,6 +97,7 @@ _HOME = {
     "published": "stages",
     "register": "stages",
     "reproduce": "stages",
+    "segment": "stages",
     "selftest": "stages",
     "simulate": "stages",
     "slicer": "stages",

