@@ -16,7 +16,7 @@ from physgnn.mechanics.elements.tet4 import ELEMENTS
 from physgnn.mechanics.materials.fitted_laws import FAMILIES
 from physgnn.registration.skull import SUPPORTS
 from physgnn.segmentation.backends import BACKENDS
-from physgnn.segmentation.segment import FLUID_IS_BRIGHT
+from physgnn.segmentation.scan_labels import FLUID_IS_BRIGHT
 
 
 @pytest.mark.parametrize(

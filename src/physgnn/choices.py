@@ -143,7 +143,7 @@ class BrainBackend(StrEnum):
 
 
 class Contrast(StrEnum):
-    """Kinds of MR scan, keys of `physgnn.segmentation.segment.FLUID_IS_BRIGHT`."""
+    """Kinds of MR scan, keys of `physgnn.segmentation.scan_labels.FLUID_IS_BRIGHT`."""
 
     T1 = "t1"
     T1C = "t1c"

@@ -6,7 +6,7 @@ from matplotlib.lines import Line2D
 
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.regions import REGIONS
-from physgnn.segmentation.upright import mask_on, upright
+from physgnn.segmentation.orientation import mask_on, upright
 
 COLOURS = {1: "tab:orange", 2: "tab:red", 3: "tab:cyan"}
 # Index axis normal to the plane; the others run right and up.
@@ -22,7 +22,7 @@ def outlines(image: Image, labels: LabelVolume, title: str) -> Figure:
     image : Image
         The scan.
     labels : LabelVolume
-        As `physgnn.segmentation.segment` returns it, on the same voxels.
+        As `physgnn.segmentation.scan_labels` returns it, on the same voxels.
     title : str
         A line above, such as the volumes.
     """

@@ -10,7 +10,7 @@ from physgnn.arrays import BoolArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
 from physgnn.io.medical.images.formats import read_image, write_image
-from physgnn.segmentation.upright import mask_on
+from physgnn.segmentation.orientation import mask_on
 
 LONGEST_S = 1800.0
 LONGEST_REASON = 200

@@ -86,7 +86,7 @@ def segment(
     from physgnn.segmentation import SegmentOptions
     from physgnn.segmentation import segment as segmented
     from physgnn.segmentation.picture import outlines
-    from physgnn.segmentation.segment import volumes_line
+    from physgnn.segmentation.scan_labels import volumes_line
 
     out = named_like(out, scan)
     drawn = _picture_path(out, picture)

@@ -14,10 +14,10 @@ from physgnn.geometry.plausibility import check_volume_ml
 from physgnn.geometry.segmentation.label_tables import SEGMENTED
 from physgnn.progress import Log, no_log
 from physgnn.segmentation.backends import chosen
+from physgnn.segmentation.orientation import mask_on, upright
 from physgnn.segmentation.scan_checks import check_scan
 from physgnn.segmentation.stripped import dice, foreground, one_piece
 from physgnn.segmentation.tumour import grow_tumour
-from physgnn.segmentation.upright import mask_on, upright
 from physgnn.segmentation.ventricles import find_ventricles
 
 BRAIN_LABEL, TUMOUR_LABEL, VENTRICLE_LABEL = (

@@ -7,14 +7,9 @@ from scipy.spatial.transform import Rotation
 from heads import head, seen, template
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
-from physgnn.segmentation import (
-    TUMOUR_LABEL,
-    VENTRICLE_LABEL,
-    SegmentOptions,
-    segment,
-)
+from physgnn.segmentation import TUMOUR_LABEL, VENTRICLE_LABEL, SegmentOptions, segment
 from physgnn.segmentation.backends import BACKENDS, chosen, deepbet
-from physgnn.segmentation.segment import brain_ventricles
+from physgnn.segmentation.scan_labels import brain_ventricles
 from physgnn.segmentation.stripped import dice
 
 needs_deepbet = pytest.mark.skipif(
