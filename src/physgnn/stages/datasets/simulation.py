@@ -6,7 +6,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from physgnn import choices
 from physgnn.dataset import SOLVERS, Generation, Preset, Store, generate, verify
 from physgnn.dataset.generation.pending_paths import DEFAULT_SOLVER, check_febio
 from physgnn.dataset.presets import find_preset
@@ -118,13 +117,13 @@ def simulate_mesh(
     """
     if solver not in SOLVERS:
         raise InputError(f"no solver '{solver}' (there are: {', '.join(SOLVERS)})")
-    if solver == choices.SolverName.FEBIO and scheduler is None:
+    if solver == "febio" and scheduler is None:
         find_febio()
     name = preset if isinstance(preset, str) else "custom"
     if isinstance(preset, str):
         preset = find_preset(preset)
     mesh, paths = preset.on(mesh)
-    if solver == choices.SolverName.FEBIO:
+    if solver == "febio":
         check_febio(preset.element, paths)
     opened = Store.resume(
         store,
