@@ -10,7 +10,7 @@ import ast
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 PACKAGE = Path(__file__).parent
 TABLES = {
@@ -60,29 +60,43 @@ def names(choice: str) -> tuple[str, ...]:
     """
     module, table = TABLES[choice]
     source = ast.parse((PACKAGE / module).read_text(encoding="utf-8"))
-    (rows,) = (node.value for node in source.body if _assigns(node, table))
+    (rows,) = (_value(node) for node in source.body if table in _targets(node))
     literals = rows.keys if isinstance(rows, ast.Dict) else getattr(rows, "elts", [])
     found = (ast.literal_eval(literal) for literal in literals if literal)
     return (*found, *WITHOUT_ROW.get(choice, ()))
 
 
-def _assigns(node: ast.stmt, name: str) -> bool:
-    targets = node.targets if isinstance(node, ast.Assign) else []
-    targets = [node.target] if isinstance(node, ast.AnnAssign) else targets
-    return any(isinstance(t, ast.Name) and t.id == name for t in targets)
+def _targets(node: ast.stmt) -> list[str]:
+    """Return the names that a statement assigns to."""
+    targets: list[Any] = getattr(node, "targets", [getattr(node, "target", None)])
+    return [target.id for target in targets if isinstance(target, ast.Name)]
+
+
+def _value(node: ast.stmt) -> Any:
+    return getattr(node, "value", None)
 
 
 if TYPE_CHECKING:
-    PresetName = SolverName = Element = FittedLaw = StressUnit = SplitName = str
-    LossName = Clock = PrecisionName = Skull = AffineForm = Interpolation = str
+    # what a type checker sees of the choices that the command line offers
+    PresetName: TypeAlias = str
+    SolverName: TypeAlias = str
+    Element: TypeAlias = str
+    FittedLaw: TypeAlias = str
+    StressUnit: TypeAlias = str
+    SplitName: TypeAlias = str
+    LossName: TypeAlias = str
+    Clock: TypeAlias = str
+    PrecisionName: TypeAlias = str
+    Skull: TypeAlias = str
+    AffineForm: TypeAlias = str
+    Interpolation: TypeAlias = str
 else:
 
     def __getattr__(choice: str) -> type[StrEnum]:
         """Return a choice as the enum that the command line's help lists."""
         if choice not in TABLES:
             raise AttributeError(f"module '{__name__}' has no attribute '{choice}'")
-        enum = StrEnum(
-            choice, [(name, name) for name in names(choice)], module=__name__
-        )
+        members = [(name, name) for name in names(choice)]
+        enum = StrEnum(choice, members, module=__name__)
         globals()[choice] = enum
         return enum

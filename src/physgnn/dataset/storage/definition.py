@@ -23,6 +23,7 @@ from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material
 from physgnn.mechanics.materials.table import material_to_config
+from physgnn.mechanics.support import check_held
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,10 +138,14 @@ def _check_paths(mesh: TetMesh, paths: Sequence[LoadPath], fixed: IntArray) -> N
     """Raise InputError if the paths do not fit the mesh or each other."""
     if not paths:
         raise InputError("a dataset needs one load path or more (got none)")
+    nothing = np.empty(0, dtype=np.int64)
+    checked: set[bytes] = set()  # most paths hold the same points, or none
     for i, path in enumerate(paths):
         path.check_against(mesh, fixed)
-        if path.more:
-            Loading(mesh, path, fixed)  # refuses loads that don't fit
+        held = Loading(mesh, path, fixed).held if path.more else nothing
+        if held.tobytes() not in checked:
+            check_held(mesh, np.union1d(fixed, held))
+            checked.add(held.tobytes())
         if not np.array_equal(path.load_factors, paths[0].load_factors):
             raise InputError(
                 f"all load paths must have the same load factors (path {i} differs)"

@@ -27,6 +27,7 @@ from physgnn.io.integrity.atomic import write_whole
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material
+from physgnn.mechanics.support import check_held
 
 REGION_PREFIX = "region-"
 DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -83,7 +84,8 @@ def write_febio(
         raise InputError(
             f"{path}: a FEBio model is written as .feb (got '{path.suffix}')"
         )
-    Loading(mesh, load_path, fixed)  # refuses loads that do not fit
+    loading = Loading(mesh, load_path, fixed)  # refuses loads that do not fit
+    check_held(mesh, np.union1d(fixed, loading.held))
     root = _model(mesh, load_path, materials, fixed)
     _add_output(root, log_of(path).name)
     ET.indent(root)
