@@ -103,7 +103,7 @@ class Solver:
         if unknowns is None or not np.array_equal(unknowns.held, loading.held):
             unknowns = self._unknowns = self._find_unknowns(loading.held)
         return QuasiNewton(
-            self._body.elements,
+            self._body,
             unknowns.pattern,
             unknowns.linear,
             loading,

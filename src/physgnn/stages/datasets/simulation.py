@@ -13,6 +13,7 @@ from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
 from physgnn.io import read_mesh
 from physgnn.io.febio.run import find_febio
+from physgnn.mechanics.body import Body
 from physgnn.progress import Progress
 from physgnn.stages.datasets.chosen_loads import chosen_preset
 from physgnn.stages.datasets.provenance import command_line
@@ -127,11 +128,8 @@ def simulate_mesh(
         check_febio(preset.element, paths)
     opened = Store.resume(
         store,
-        mesh,
+        Body(mesh, preset.materials, mesh.point_set("fixed"), element=preset.element),
         paths,
-        materials=preset.materials,
-        fixed=mesh.point_set("fixed"),
-        element=preset.element,
         provenance={
             "preset": name,
             "solver": solver,
