@@ -11,8 +11,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from physgnn.evaluation.measure.result import ModelErrors, Report
 from physgnn.evaluation.report import published, tables
-from physgnn.evaluation.report.figures import Picture
 from physgnn.evaluation.report.formats import duration, mm, percent
+from physgnn.evaluation.report.panels import Picture
 from physgnn.evaluation.report.style import colour, label
 from physgnn.evaluation.report.tables import Table, group_label
 from physgnn.io.integrity.atomic import write_whole
