@@ -23,8 +23,8 @@ from physgnn.evaluation.report.coverage_chart import bars_chart
 from physgnn.evaluation.report.panels import (
     Picture,
     colour_bar,
-    panels,
     save_picture,
+    side_by_side,
 )
 from physgnn.evaluation.report.scenes import Pixels, View
 from physgnn.evaluation.report.style import (
@@ -114,7 +114,7 @@ def _draw_case(store: Store, model: ModelErrors, folder: Path) -> Picture:
     )
 
     def figure() -> Figure:
-        made, _ = panels(images, ("Fixed and loaded points", "Mesh, cut open"))
+        made, _ = side_by_side(images, ("Fixed and loaded points", "Mesh, cut open"))
         kinds = (("fixed", FIXED), ("loaded, force", LOADED), ("tumour", TUMOUR))
         dots = [
             Line2D([], [], marker="o", linestyle="", color=paint, label=name)
@@ -146,7 +146,7 @@ def _draw_deformed(store: Store, model: ModelErrors, folder: Path) -> Picture:
 
     def figure() -> Figure:
         titles = ("Deformed surface", "Cut through the tumour; grey line: at rest")
-        made, axes = panels(images, titles)
+        made, axes = side_by_side(images, titles)
         colour_bar(made, axes, DISPLACEMENT_MAP, limits, "displacement, mm")
         return made
 
@@ -208,7 +208,7 @@ def _draw_worst(
 
     def figure() -> Figure:
         titles = ("Finite elements", label(model.name), "Error of the prediction")
-        made, axes = panels(images, titles)
+        made, axes = side_by_side(images, titles)
         colour_bar(made, axes[:2], DISPLACEMENT_MAP, limits, "displacement, mm")
         colour_bar(made, axes[2:], ERROR_MAP, errors, "error, mm")
         return made

@@ -38,7 +38,7 @@ class Picture:
     files: tuple[Path, ...]
 
 
-def panels(
+def side_by_side(
     images: tuple[Pixels, ...], titles: tuple[str, ...]
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure with one image beside the other, their margins cut off."""

@@ -52,7 +52,7 @@ class QuasiNewton:
     pattern : Pattern
         Of the tangent over the points that are free under the load.
     solver : LinearSolver
-        For tangents of that pattern.
+        Solves with tangents of that pattern.
     loading : Loading
         The loads.
     tolerance_mm : float

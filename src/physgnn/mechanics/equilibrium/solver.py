@@ -180,7 +180,7 @@ def solve(
     fixed : str or integer array
         Name of a point set, or point indices.
     element : str
-        As in `Body`.
+        The finite element, one of those that `Body` takes.
     options : SolverOptions
 
     Returns

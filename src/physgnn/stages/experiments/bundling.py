@@ -75,7 +75,7 @@ def slim_copy(run: Path, out: Path, *, errors: str) -> None:
     run, out : Path
         Run folders.
     errors : str
-        For the model card, Markdown.
+        The section on errors of the model card, Markdown.
     """
     from physgnn.learning.runs.checkpoint import Checkpoint
     from physgnn.learning.runs.model_card import write_model_card
