@@ -116,7 +116,7 @@ def register(
         typer.Option(
             help="Hold the fixed points fast, or let them slide along the skull."
         ),
-    ] = choices.Skull.FIXED,
+    ] = "fixed",
     materials: Materials = None,
     form: Form = None,
     image: Grid = None,

@@ -23,7 +23,7 @@ def evaluate(
         typer.Option(
             help="Test on the samples that this split holds out; mesh needs --store."
         ),
-    ] = choices.SplitName.PATH,
+    ] = "path",
     store: Annotated[
         Path | None,
         typer.Option(
@@ -52,7 +52,7 @@ def evaluate(
             "the last run's.",
         ),
     ] = None,
-    precision: PrecisionOption = choices.PrecisionName.FLOAT32,
+    precision: PrecisionOption = "float32",
 ) -> None:
     """Measure trained networks on held-out samples: tables, figures, report."""
     with progress("evaluating") as move:
@@ -99,7 +99,7 @@ def predict(
     linear: Annotated[
         bool, typer.Option("--linear", help="Write the linear solution beside it.")
     ] = False,
-    precision: PrecisionOption = choices.PrecisionName.FLOAT32,
+    precision: PrecisionOption = "float32",
     estimate: Annotated[
         choices.Estimate,
         typer.Option(

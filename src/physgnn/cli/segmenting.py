@@ -14,7 +14,8 @@ def segment(
     scan: Annotated[
         Path,
         typer.Argument(
-            help="The MR scan of a head, NIfTI; its skull may have been taken off."
+            help="The MR scan of a head, an image or a folder of DICOM; its skull may "
+            "have been taken off."
         ),
     ],
     out: OutFile,
@@ -24,10 +25,10 @@ def segment(
             help="Find the brain by this program; auto takes the first that is "
             "installed and serves the contrast."
         ),
-    ] = choices.BrainBackend.AUTO,
+    ] = "auto",
     contrast: Annotated[
         choices.Contrast, typer.Option(help="Say which contrast the scan has.")
-    ] = choices.Contrast.T1,
+    ] = "t1",
     ventricles: Annotated[
         bool,
         typer.Option(
@@ -38,7 +39,7 @@ def segment(
         Path | None,
         typer.Option(
             help="Grow tumours from these points (CSV, .fcsv or .mrk.json), or add "
-            "this label map, NIfTI."
+            "this label map."
         ),
     ] = None,
     tumour_labels: Annotated[

@@ -159,7 +159,7 @@ def simulate(
     ] = None,
     solver: Annotated[
         choices.SolverName, typer.Option(help="Solve by this program.")
-    ] = choices.SolverName.PHYSGNN,
+    ] = "physgnn",
 ) -> None:
     """Solve load paths by finite elements; call it again to resume."""
     with progress("simulating") as move:

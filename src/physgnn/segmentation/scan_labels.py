@@ -1,19 +1,17 @@
 """A scan in, a label map out: brain, tumour and ventricles on the scan's voxels."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
 from physgnn.arrays import BoolArray, FloatArray
-from physgnn.choices import BrainBackend, Contrast
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.plausibility import check_volume_ml
 from physgnn.geometry.segmentation.label_tables import SEGMENTED
 from physgnn.progress import Log, no_log
-from physgnn.segmentation.backends import chosen
+from physgnn.segmentation.backends import AUTO, BACKENDS, chosen
+from physgnn.segmentation.contrasts import FLUID_IS_BRIGHT
 from physgnn.segmentation.orientation import mask_on, upright
 from physgnn.segmentation.scan_checks import check_scan
 from physgnn.segmentation.stripped import dice, foreground, one_piece
@@ -22,14 +20,6 @@ from physgnn.segmentation.ventricles import find_ventricles
 
 BRAIN_LABEL, TUMOUR_LABEL, VENTRICLE_LABEL = (
     SEGMENTED.labels[name][0] for name in ("brain", "tumour", "ventricle")
-)
-FLUID_IS_BRIGHT: Mapping[Contrast, bool] = MappingProxyType(
-    {
-        Contrast.T1: False,
-        Contrast.T1C: False,
-        Contrast.T2: True,
-        Contrast.FLAIR: False,
-    }
 )
 # A scan whose foreground is so much the brain that a backend finds has no skull.
 STRIPPED_DICE = 0.9
@@ -42,24 +32,24 @@ class SegmentOptions:
     Parameters
     ----------
     backend : str
-        What finds the brain: a member of `physgnn.choices.BrainBackend`.
+        What finds the brain: a key of `BACKENDS`, or "auto".
     contrast : str
-        Of the scan: a member of `physgnn.choices.Contrast`.
+        Of the scan: a key of `FLUID_IS_BRIGHT`.
     ventricles : bool
         Whether they are looked for.
     any_size : bool
         Whether the brain may have less than 50 or more than 2500 ml.
     """
 
-    backend: str = BrainBackend.AUTO
-    contrast: str = Contrast.T1
+    backend: str = AUTO
+    contrast: str = "t1"
     ventricles: bool = True
     any_size: bool = False
 
     def __post_init__(self) -> None:
         for name, value, members in (
-            ("backend", self.backend, BrainBackend),
-            ("contrast", self.contrast, Contrast),
+            ("backend", self.backend, (AUTO, *BACKENDS)),
+            ("contrast", self.contrast, FLUID_IS_BRIGHT),
         ):
             if value not in list(members):
                 raise InputError(
@@ -183,7 +173,7 @@ def _brain(image: Image, cubes: Image, options: SegmentOptions, log: Log) -> Boo
     if alone is not None:
         shown = mask_on(cubes.grid, alone, image.affine)
         try:
-            _, backend = chosen(BrainBackend.AUTO, options.contrast)
+            _, backend = chosen(AUTO, options.contrast)
             found = one_piece(backend.brain(cubes))
         except InputError:
             found = None
@@ -205,7 +195,7 @@ def _grown(
 ) -> BoolArray:
     """Return what grows from points; ventricles around them stay out of it."""
     nothing = np.zeros_like(brain)
-    bright = FLUID_IS_BRIGHT[Contrast(options.contrast)]
+    bright = FLUID_IS_BRIGHT[options.contrast]
     fluid = find_ventricles(cubes, brain, but=nothing, fluid_is_bright=bright).mask
     index = np.rint(cubes.grid.to_index(seeds)).astype(int)
     index = np.clip(index, 0, np.array(brain.shape) - 1)
@@ -228,7 +218,7 @@ def _check_given(given: BoolArray, kept: BoolArray, log: Log) -> None:
 def _ventricles(
     cubes: Image, brain: BoolArray, but: BoolArray, options: SegmentOptions, log: Log
 ) -> BoolArray:
-    bright = FLUID_IS_BRIGHT[Contrast(options.contrast)]
+    bright = FLUID_IS_BRIGHT[options.contrast]
     found = find_ventricles(cubes, brain, but=but, fluid_is_bright=bright)
     if found.reason:
         log(f"ventricles: none, {found.reason}")

@@ -14,6 +14,7 @@ import pytest
 from meshes import block_mesh
 from physgnn.dataset import Store, generate, verification_of, verify
 from physgnn.errors import InputError
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
@@ -36,10 +37,12 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ]
     store = Store.create(
         tmp_path_factory.mktemp("whole") / "loads.zarr",
-        mesh,
+        Body(
+            mesh,
+            {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)},
+            mesh.point_set("fixed"),
+        ),
         paths,
-        materials={0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)},
-        fixed=mesh.point_set("fixed"),
         provenance={"made": "for a test"},
     )
     generate(store)

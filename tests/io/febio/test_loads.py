@@ -15,6 +15,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio.model_reader import read_febio
 from physgnn.io.febio.model_writer import write_febio
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
@@ -36,7 +37,7 @@ def write(
     path = (
         LoadPath(nodes, forces, factors, more) if force else LoadPath.of(factors, *more)
     )
-    write_febio(file, MESH, path, materials=MATERIALS, fixed=MESH.point_set("fixed"))
+    write_febio(file, Body(MESH, MATERIALS, MESH.point_set("fixed")), path)
 
 
 def xml(file: Path) -> ET.Element:

@@ -16,6 +16,7 @@ from physgnn.io.febio.model_reader import read_febio_results
 from physgnn.io.integrity.atomic import whole_folder
 from physgnn.io.simulation import Simulation
 from physgnn.io.vtk.series import read_series
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.loads.external_force import Loading
@@ -97,11 +98,13 @@ def import_results(
     with whole_folder(target) as part:
         made = Store.create(
             part,
-            found[0].mesh,
+            Body(
+                found[0].mesh,
+                found[0].materials or materials or {},
+                found[0].fixed,
+                element=element,
+            ),
             [replace(s.load_path, load_factors=longest) for s in found],
-            materials=found[0].materials or materials,
-            fixed=found[0].fixed,
-            element=element,
             provenance={
                 "solver": "imported",
                 "imported_from": [str(source) for source in sources],

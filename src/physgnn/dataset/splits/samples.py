@@ -15,13 +15,12 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from physgnn import choices
 from physgnn.arrays import IntArray
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 
 TRAIN, VALIDATION, TEST = 0.7, 0.2, 0.1  # as published
-MESH = choices.SplitName.MESH
+MESH = "mesh"
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,9 +135,9 @@ def split_node(store: Store, seed: int = 0) -> Split:
 
 
 SPLITS: dict[str, Callable[..., Split]] = {
-    choices.SplitName.PUBLISHED: split_published,
-    choices.SplitName.PATH: split_path,
-    choices.SplitName.NODE: split_node,
+    "published": split_published,
+    "path": split_path,
+    "node": split_node,
 }
 
 

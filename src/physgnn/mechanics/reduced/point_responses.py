@@ -24,7 +24,7 @@ class PointResponses:
     solver : LinearSolver
         Holds the factor of K.
     pattern : Pattern
-        Of K.
+        The pattern of K, over the free points.
     nodes : (n_nodes,) integer array
         Points that loads act on, as a rule. If their columns, cached in single
         precision, would take too much memory, every response is a back-solve.

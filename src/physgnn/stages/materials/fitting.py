@@ -62,7 +62,7 @@ def fit_material(
     law : str
         ``"neo-hookean"``, ``"mooney-rivlin"`` or ``"ogden"``.
     terms : int
-        Of Ogden's law, 1 or 2.
+        How many terms Ogden's law has, 1 or 2.
     unit : str
         Of stresses whose column does not tell: ``"kpa"`` or ``"pa"``.
     poissons_ratio : float, optional

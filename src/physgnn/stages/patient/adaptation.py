@@ -21,9 +21,9 @@ class Adapted:
     Attributes
     ----------
     n_points : int
-        Of the new mesh.
+        Points of the new mesh.
     seconds : float
-        To find the equilibria to expand about and write the run.
+        Time that finding the equilibria to expand about and writing the run took, s.
     coverage : float or None
         What the error bounds promise; None if the run has none for new patients.
     """
