@@ -17,9 +17,10 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.io.untrusted.compressed import read_npz
-from physgnn.io.untrusted.limits import GB, allowed_bytes
+from physgnn.io.untrusted.limits import allowed_bytes
 from physgnn.io.vtk import vtk_process
 from physgnn.io.vtk.data import Array, VtkData
+from physgnn.memory_limits import GB
 
 TIMEOUT_S = 60.0
 # What VTK's libraries and NumPy map themselves, and copies of the data on the way.
