@@ -108,6 +108,7 @@ def register(
     materials: Materials = None,
     form: Form = None,
     image: Grid = None,
+    affine: AffineOption = None,
 ) -> None:
     """Find the whole displacement from what was measured on the surface.
 
@@ -125,6 +126,7 @@ def register(
             materials=materials,
             form=form,
             image=image,
+            affine=affine,
             log=say,
         )
     status = found.prediction.status

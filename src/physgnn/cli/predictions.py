@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from physgnn import choices, stages
-from physgnn.cli.console import conclude, progress, working
-from physgnn.cli.options import Displacement, Form, Grid, PrecisionOption
+from physgnn.cli.console import conclude, progress, say, working
+from physgnn.cli.options import AffineOption, Displacement, Form, Grid, PrecisionOption
 
 
 def evaluate(
@@ -103,6 +103,7 @@ def predict(
             "bound."
         ),
     ] = choices.Estimate.PHYSICAL,
+    affine: AffineOption = None,
 ) -> None:
     """Predict the displacement under one load case.
 
@@ -119,6 +120,8 @@ def predict(
             linear=linear,
             precision=precision,
             estimate=estimate,
+            affine=affine,
+            log=say,
         )
     largest = (found.displacement**2).sum(axis=1).max() ** 0.5
     bounds, likely = found.error_estimate_mm, found.likely_error_mm

@@ -65,6 +65,33 @@ def read_segmentation(
         return LabelVolume(data, place)  # type: ignore[arg-type]
 
 
+def read_voxels(
+    path: str | Path, *, affine: str | None = None, log: Log = no_log
+) -> tuple[NDArray[np.generic], FloatArray]:
+    """Read an image to be looked at, whose axes need not be at right angles.
+
+    Parameters
+    ----------
+    path, affine, log
+        As of `read_image`.
+
+    Returns
+    -------
+    voxels : array
+        With the axes that the file has, but for last ones of length 1.
+    affine : (4, 4) array
+        From voxel index to world, mm, RAS+.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, no NIfTI, damaged, or says of two places that it lies
+        there.
+    """
+    with reading(path, WHAT):
+        return _read(Path(path), affine, log)
+
+
 def write_image(path: str | Path, image: Image, *, note: str = "") -> None:
     """Write an image; what is no whole number as float32, a note in the description.
 

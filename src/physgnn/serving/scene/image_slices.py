@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import nibabel
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
+from physgnn.io.medical.nifti import read_voxels
+from physgnn.progress import Log, no_log
 from physgnn.serving.scene.section import AXES
 
 Bytes = NDArray[np.uint8]
@@ -55,8 +56,15 @@ class GreyVolume:
         return grey
 
 
-def read_image(path: str | Path) -> GreyVolume:
+def read_grey(
+    path: str | Path, *, affine: str | None = None, log: Log = no_log
+) -> GreyVolume:
     """Read a NIfTI volume, or the bundled template for the name "mni152".
+
+    Parameters
+    ----------
+    path, affine, log
+        As of `physgnn.io.medical.nifti.read_voxels`.
 
     Raises
     ------
@@ -67,15 +75,14 @@ def read_image(path: str | Path) -> GreyVolume:
         from nilearn.datasets import load_mni152_template  # takes seconds to import
 
         volume = load_mni152_template(resolution=1)
+        voxels, place = volume.dataobj, volume.affine
     else:
-        try:
-            volume = nibabel.load(path)
-        except (OSError, nibabel.filebasedimages.ImageFileError) as error:
-            raise InputError(f"{path} is no readable NIfTI image ({error})") from error
-    values = np.asarray(volume.dataobj, dtype=np.float32)
+        voxels, place = read_voxels(path, affine=affine, log=log)
+    values = np.asarray(voxels, dtype=np.float32)
     if values.ndim != 3:
         raise InputError(f"{path} must have three dimensions (got {values.ndim})")
-    return GreyVolume(_windowed(values), np.linalg.inv(volume.affine))
+    to_voxel = np.asarray(np.linalg.inv(place), dtype=np.float64)
+    return GreyVolume(_windowed(values), to_voxel)
 
 
 def _windowed(values: NDArray[np.float32]) -> Bytes:
