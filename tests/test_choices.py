@@ -8,6 +8,7 @@ from physgnn.dataset.splits.samples import MESH
 from physgnn.imaging.image_warping import INTERPOLATIONS
 from physgnn.io.medical.images.nifti_place import FORMS
 from physgnn.io.stress_curves import PA
+from physgnn.learning.models import MODELS
 from physgnn.learning.physgnn.precision import PRECISIONS
 from physgnn.learning.training.budget import CLOCKS
 from physgnn.learning.training.objective.losses import LOSSES
@@ -37,6 +38,7 @@ from physgnn.segmentation.contrasts import FLUID_IS_BRIGHT
         ("AffineForm", FORMS),
         ("BrainBackend", [*BACKENDS, AUTO]),
         ("Contrast", FLUID_IS_BRIGHT),
+        ("ModelName", MODELS),
     ],
 )
 def test_a_choice_names_the_rows_of_its_table(choice: str, rows: object) -> None:

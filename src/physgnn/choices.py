@@ -28,6 +28,7 @@ TABLES = {
     "AffineForm": ("io/medical/images/nifti_place.py", "FORMS"),
     "Interpolation": ("imaging/image_warping.py", "INTERPOLATIONS"),
     "BrainBackend": ("segmentation/backends/__init__.py", "BACKENDS"),
+    "ModelName": ("learning/models.py", "MODELS"),
     "Contrast": ("segmentation/contrasts.py", "FLUID_IS_BRIGHT"),
 }
 """Choice → module and table whose rows it names."""
@@ -97,6 +98,7 @@ if TYPE_CHECKING:
     Interpolation: TypeAlias = str
     BrainBackend: TypeAlias = str
     Contrast: TypeAlias = str
+    ModelName: TypeAlias = str
 else:
 
     def __getattr__(choice: str) -> type[StrEnum]:

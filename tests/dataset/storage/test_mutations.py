@@ -172,3 +172,21 @@ def test_a_damaged_store_of_version_1_is_refused_or_read(tmp_path: Path) -> None
             file.extractall(copy)
         outcome(copy, None, mutated(copy, SEED * 2000 + k))
         shutil.rmtree(copy)
+
+
+def test_one_bit_of_every_file(whole: Path, tmp_path: Path) -> None:
+    """Each file of each kind, metadata of arrays included, in turn."""
+    expected = dict(parts(whole))
+    files = sorted(f.relative_to(whole) for f in whole.rglob("*") if f.is_file())
+    copy = tmp_path / "loads.zarr"
+    shutil.copytree(whole, copy)
+    unnoticed = []
+    for file in files:
+        data = (whole / file).read_bytes()
+        middle = len(data) // 2
+        changed = bytes([data[middle] ^ 1])
+        (copy / file).write_bytes(data[:middle] + changed + data[middle + 1 :])
+        if outcome(copy, expected, str(file)) == "as it was":
+            unnoticed.append(file)
+        (copy / file).write_bytes(data)
+    assert all(file.name == "zarr.json" for file in unnoticed), unnoticed

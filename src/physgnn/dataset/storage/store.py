@@ -20,6 +20,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.integrity.atomic import whole_folder
 from physgnn.io.integrity.digest import digest_of
+from physgnn.io.integrity.strays import clear_partial_chunks
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.linear.factor_cache import FACTORS
@@ -128,6 +129,7 @@ class Store:
         if not Path(path).exists():
             return cls.create(path, body, paths, provenance=provenance)
         store = cls.open(path)
+        clear_partial_chunks(store.path)
         if store.definition_hash != Definition(body, paths).digest:
             raise InputError(
                 f"store {path} was made for another mesh, load, material or element: "
