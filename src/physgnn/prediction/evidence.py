@@ -38,6 +38,42 @@ AS_WELL = 1.1  # squared misfit of a translation over that of the elastic body
 LEAST_CHANCE = 1e-3  # of so large a misfit, if noise alone were its cause
 
 
+# Of the places of one kind; beyond it, nothing says which of them are the bad ones.
+LARGEST_OUTLIER_SHARE = 0.2
+# Logarithm of the ratio of probabilities that is strong evidence (Kass & Raftery,
+# "Bayes factors", Journal of the American Statistical Association 90, 1995, 773-795).
+STRONG_EVIDENCE = 3.0
+# An offset of the navigation as large as what is assumed of it beforehand is nothing
+# unusual; a larger one is, and it is corrected only where the data tell of it.
+USUAL_OFFSET_MM = 2.0
+
+
+@dataclass(frozen=True)
+class OffsetEvidence:
+    """What the data say of a rigid offset of the navigation.
+
+    Attributes
+    ----------
+    length_mm, turn_deg : float
+        Its most probable translation and rotation.
+    deviation_mm : float
+        Standard deviation of the translation along an axis, given the data.
+    log_ratio : float
+        Logarithm of how much more probable the data are with an offset.
+    change_mm : float
+        How far, at most, the displacement of a point is another with an offset.
+    corrected : bool
+        Whether the displacement is the one with an offset.
+    """
+
+    length_mm: float
+    turn_deg: float
+    deviation_mm: float
+    log_ratio: float
+    change_mm: float
+    corrected: bool
+
+
 @dataclass(frozen=True)
 class MeasurementFit:
     """How well a registration meets what was measured.
@@ -60,6 +96,10 @@ class MeasurementFit:
         Squared misfit over what the stated noise lets expect.
     chance : float
         Probability of a misfit as large, by noise alone.
+    outlier_share : float
+        Of the places of one kind, at most, that the rest contradicts.
+    offset : OffsetEvidence, optional
+        Where an offset of the navigation was looked for.
     """
 
     n_places: int
@@ -69,6 +109,8 @@ class MeasurementFit:
     translation_misfit: float
     misfit_ratio: float
     chance: float
+    outlier_share: float = 0.0
+    offset: OffsetEvidence | None = None
 
 
 @dataclass(frozen=True)
@@ -209,6 +251,35 @@ def _misfit(evidence: Evidence) -> Iterator[str]:
             f"{np.sqrt(max(fit.misfit_ratio, 0.0)):.1f} times as far apart as the "
             "stated noise lets expect"
         )
+    if fit is not None and fit.outlier_share > LARGEST_OUTLIER_SHARE:
+        yield (
+            f"{fit.outlier_share:.0%} of the places lie farther off than the stated "
+            f"noise lets expect (at most {LARGEST_OUTLIER_SHARE:.0%})"
+        )
+
+
+def _offset_of_navigation(evidence: Evidence) -> Iterator[str]:
+    offset = evidence.fit.offset if evidence.fit is not None else None
+    if offset is None or offset.corrected:
+        return
+    if offset.log_ratio >= STRONG_EVIDENCE:
+        yield (
+            f"a rigid offset of the navigation of {offset.length_mm:.1f} mm and "
+            f"{offset.turn_deg:.1f}° explains the measurement better than loads alone"
+        )
+
+
+def _offset_not_told(evidence: Evidence) -> Iterator[str]:
+    offset = evidence.fit.offset if evidence.fit is not None else None
+    if offset is None or abs(offset.log_ratio) >= STRONG_EVIDENCE:
+        return
+    bound = np.inf if evidence.bound_mm is None else evidence.bound_mm
+    if offset.length_mm > USUAL_OFFSET_MM and offset.change_mm > bound:
+        yield (
+            f"a rigid offset of the navigation of {offset.length_mm:.1f} mm explains "
+            "the measurement as well as a shift does, and points would move by up to "
+            f"{offset.change_mm:.1f} mm less or more"
+        )
 
 
 def _outside(evidence: Evidence) -> Iterator[str]:
@@ -246,6 +317,8 @@ RULES: tuple[tuple[PredictionStatus, Rule], ...] = (
     (PredictionStatus.TOLERANCE_NOT_MET, _not_converged),
     (PredictionStatus.MISFIT_ABOVE_NOISE, _misfit),
     (PredictionStatus.MOVED_AS_A_WHOLE, _moved_as_a_whole),
+    (PredictionStatus.NAVIGATION_OFFSET, _offset_of_navigation),
+    (PredictionStatus.OFFSET_NOT_TOLD, _offset_not_told),
     (PredictionStatus.IMPLAUSIBLE_DISPLACEMENT, _implausible),
     (PredictionStatus.OUTSIDE_TRAINED_RANGE, _outside),
     (PredictionStatus.NO_ERROR_ESTIMATE, _no_estimate),

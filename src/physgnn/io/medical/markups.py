@@ -69,10 +69,10 @@ def read_point_pairs(
                 f"needs two lists of points, source and target (has {len(lists)}): "
                 "give the file of the targets too"
             )
-        source, moved, lines = paired(*lists)
+        source, moved, names, lines = paired(*lists)
         for line in lines:
             log(f"{path.name}: {line}")
-        return PointPairs(source, moved)
+        return PointPairs(source, moved, tuple(names))
 
 
 def read_points(path: str | Path, *, log: Log = no_log) -> FloatArray:

@@ -6,11 +6,9 @@ from hypothesis import strategies as st
 from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.geometry.measured import PointPairs, SurfacePoints
-from physgnn.registration.measurement import (
-    MeasuredPairs,
-    MeasuredSurface,
-    surface_interpolation,
-)
+from physgnn.registration.measurements.places import surface_interpolation
+from physgnn.registration.measurements.points import measured_pairs
+from physgnn.registration.measurements.surfaces import MeasuredSurface
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -53,5 +51,5 @@ def test_pairs_are_seen_in_all_components() -> None:
     mesh = block_mesh(3)
     source = np.array([[5.0, 5.0, 10.0], [2.0, 3.0, 10.0], [7.0, 3.0, 10.0]])
     pairs = PointPairs(source, source + np.array([1.0, 2.0, 3.0]))
-    seen = MeasuredPairs(mesh, pairs).observe(np.ones_like(mesh.points))
+    seen = measured_pairs(mesh, pairs).observe(np.ones_like(mesh.points))
     np.testing.assert_allclose(seen.missing, np.tile([0.0, 1.0, 2.0], (3, 1)))

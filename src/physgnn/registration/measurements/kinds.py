@@ -1,0 +1,90 @@
+"""The kinds of measurement: a row of the table each.
+
+To add one, write a class with the attributes of `Measurement` and a row.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from physgnn.errors import InputError
+from physgnn.geometry.measured import (
+    Landmarks,
+    PointPairs,
+    SurfacePoints,
+    WholeSurface,
+)
+from physgnn.mechanics.body import Body
+from physgnn.registration.measurements.observation import Measurement
+from physgnn.registration.measurements.points import (
+    measured_landmarks,
+    measured_pairs,
+)
+from physgnn.registration.measurements.surfaces import (
+    MeasuredSurface,
+    MeasuredWholeSurface,
+)
+
+Measured = PointPairs | Landmarks | SurfacePoints | WholeSurface
+Noise = float | Mapping[str, float]
+LARGEST_NOISE_MM = 20.0
+DEFAULT_NOISE_MM = 1.0
+
+
+def _pairs(body: Body, measured: Any) -> Measurement:
+    return measured_pairs(body.mesh, measured)
+
+
+def _landmarks(body: Body, measured: Any) -> Measurement:
+    return measured_landmarks(body.mesh, measured)
+
+
+def _surface(body: Body, measured: Any) -> Measurement:
+    return MeasuredSurface(body.mesh, body.fixed, measured)
+
+
+def _whole_surface(body: Body, measured: Any) -> Measurement:
+    return MeasuredWholeSurface(body.mesh, measured)
+
+
+KINDS: Mapping[type, Callable[[Body, Any], Measurement]] = {
+    PointPairs: _pairs,
+    Landmarks: _landmarks,
+    SurfacePoints: _surface,
+    WholeSurface: _whole_surface,
+}
+
+
+def measurements_of(
+    body: Body, measured: Measured | Sequence[Measured]
+) -> list[Measurement]:
+    """Return everything measured, placed in a body.
+
+    Raises
+    ------
+    InputError
+        If nothing is given, or something lies far from the body.
+    """
+    given = measured if isinstance(measured, Sequence) else [measured]
+    if not given:
+        raise InputError("nothing was measured: give points or a surface")
+    return [KINDS[type(one)](body, one) for one in given]
+
+
+def noise_of(measurement: Measurement, noise_mm: Noise) -> float:
+    """Return the noise of one kind of measurement, checked.
+
+    Raises
+    ------
+    InputError
+        If it is not in (0, 20] mm.
+    """
+    if isinstance(noise_mm, Mapping):
+        noise = noise_mm.get(measurement.kind, DEFAULT_NOISE_MM)
+    else:
+        noise = noise_mm
+    if not 0 < noise <= LARGEST_NOISE_MM:
+        raise InputError(
+            f"noise_mm of {measurement.kind} must be in (0, {LARGEST_NOISE_MM:g}] "
+            f"(got {noise})"
+        )
+    return float(noise)
