@@ -20,12 +20,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from physgnn.geometry.measured_pairs import PointPairs
-from physgnn.geometry.measured_surface import SurfacePoints
 
 from held_out import Log
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
+from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.prediction import PredictionStatus
 from registration import TOLD_MM, Compared
 from shifts import Case, Truth

@@ -76,10 +76,9 @@ def misfits_of(
         for label, where, distance, weight in zip(
             one.labels, one.measured, away, weights[place : place + n], strict=True
         ):
+            x, y, z = where.tolist()
             found.append(
-                Misfit(
-                    one.kind, label, *map(float, where), float(distance), float(weight)
-                )
+                Misfit(one.kind, label, x, y, z, float(distance), float(weight))
             )
         first, place = first + n * k, place + n
     return tuple(found)
