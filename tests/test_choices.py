@@ -15,6 +15,7 @@ from physgnn.learning.training.schedules import SCHEDULES
 from physgnn.mechanics.elements.tet4 import ELEMENTS
 from physgnn.mechanics.materials.fitted_laws import FAMILIES
 from physgnn.registration.skull import SUPPORTS
+from physgnn.stages.patient.measured_files import TRANSFORMED
 
 
 @pytest.mark.parametrize(
@@ -31,6 +32,7 @@ from physgnn.registration.skull import SUPPORTS
         (choices.Clock, CLOCKS),
         (choices.PrecisionName, PRECISIONS),
         (choices.Skull, SUPPORTS),
+        (choices.Transformed, TRANSFORMED),
         (choices.Interpolation, INTERPOLATIONS),
         (choices.AffineForm, FORMS),
     ],

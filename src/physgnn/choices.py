@@ -116,6 +116,16 @@ class Skull(StrEnum):
     SLIDING = "sliding"
 
 
+class Transformed(StrEnum):
+    """Which ends of pairs a transform is for.
+
+    Rows of `physgnn.stages.patient.measured_files.TRANSFORMED`.
+    """
+
+    BOTH = "both"
+    AFTER = "after"
+
+
 class AffineForm(StrEnum):
     """Of a NIfTI header: rows of `physgnn.io.medical.nifti_place.FORMS`."""
 

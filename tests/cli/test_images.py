@@ -51,7 +51,8 @@ def test_measured_points_become_a_deformed_image(
     top = body.points[body.point_set("loaded")]
     np.savetxt(csv, np.hstack([top, top - [0, 0, 4]]), delimiter=",")
     run("register", case, "--points", csv, "--noise-mm", 0.5, "-o", out)
-    assert "misfit" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "misfit" in said and "rigid offset" in said
     x = np.moveaxis(np.indices((30, 30, 30)), 0, -1) * 4.0 - 20.0
     affine = np.diag([4.0, 4.0, 4.0, 1.0])
     affine[:3, 3] = -20.0
@@ -89,8 +90,10 @@ def test_a_measured_surface_becomes_a_deformed_label_map(
 @pytest.mark.parametrize(
     ("words", "hint"),
     [
-        (("--points", "m.csv", "--surface", "m.csv", "-o", "o.vtu"), "or --surface"),
+        (("--target", "m.csv", "-o", "o.vtu"), "beside their targets"),
         (("-o", "o.vtu"), "give --points"),
+        (("--landmarks", "out.csv", "-o", "o.vtu"), "landmarks must lie inside"),
+        (("--points", "m.csv", "--surface-noise-mm", 0, "-o", "o.vtu"), "noise_mm of"),
         (("--points", "m.csv", "-o", "o.stl"), "written as .vtu"),
         (("--surface", "m.csv", "-o", "o.vtu"), "must be 3 numbers"),
         (
@@ -112,6 +115,7 @@ def test_register_says_what_is_wrong(
     write_mesh("case.vtu", body)
     top = body.points[body.point_set("loaded")]
     np.savetxt("m.csv", np.hstack([top, top]), delimiter=",")
+    np.savetxt("out.csv", np.full((1, 6), 200.0), delimiter=",")
     with pytest.raises(AssertionError, match="2"):
         run("register", "case.vtu", *words)
     said = capsys.readouterr().err

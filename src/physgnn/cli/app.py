@@ -11,6 +11,7 @@ from physgnn.cli import (
     materials,
     patients,
     predictions,
+    registrations,
     simulation,
     training,
     viewing,
@@ -41,7 +42,7 @@ app.command()(materials.fit_material)
 app.command()(patients.anatomies)
 app.command()(patients.adapt)
 app.command()(images.warp)
-app.command()(images.register)
+app.command()(registrations.register)
 app.command()(viewing.view)
 
 

@@ -67,6 +67,7 @@ def fit_of(
             change_mm=offset.change_mm,
             corrected=offset.corrected,
         ),
+        outside_mm=min((one.outside_mm for one in measured), default=0.0),
     )
 
 

@@ -33,7 +33,11 @@ WHAT = "measured points"
 
 
 def read_point_pairs(
-    path: str | Path, target: str | Path | None = None, *, log: Log = no_log
+    path: str | Path,
+    target: str | Path | None = None,
+    *,
+    kind: type[PointPairs] = PointPairs,
+    log: Log = no_log,
 ) -> PointPairs:
     """Read where points were and where they are now, RAS+ mm.
 
@@ -46,6 +50,8 @@ def read_point_pairs(
     target : path, optional
         Markups of the target points: paired by their labels where both lists have
         them, else in the same order.
+    kind : type
+        What they are: pairs of the surface, or landmarks.
     log : callable
         Called with which points were left out, and why.
 
@@ -60,7 +66,7 @@ def read_point_pairs(
             if target is not None:
                 raise InputError("a CSV holds both ends: give no file of targets")
             rows = _read_csv(path, PAIR_COLUMNS)
-            return PointPairs(rows[:, :3], rows[:, 3:])
+            return kind(rows[:, :3], rows[:, 3:])
         lists = _read_markups(path)
         if target is not None:
             lists = [*lists[:1], *_read_markups(Path(target))[:1]]
@@ -72,7 +78,7 @@ def read_point_pairs(
         source, moved, names, lines = paired(*lists)
         for line in lines:
             log(f"{path.name}: {line}")
-        return PointPairs(source, moved, tuple(names))
+        return kind(source, moved, tuple(names))
 
 
 def read_points(path: str | Path, *, log: Log = no_log) -> FloatArray:

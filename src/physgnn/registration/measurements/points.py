@@ -27,6 +27,7 @@ class MeasuredPoints:
         self._places = places
         away = np.linalg.norm(places @ mesh.points - pairs.source, axis=1)
         self.distance_mm = float(np.median(away))
+        self.outside_mm = 0.0
         self._axes = np.tile(np.eye(3), (len(self.moved), 1, 1))
 
     def observe(self, displacement: FloatArray) -> Observation:

@@ -41,6 +41,8 @@ class MeasuredSurface:
         self.points = self.measured = self._matched.points
         self.labels = _numbered(len(self.points))
         self.distance_mm = self._matched.distance_mm
+        rest = self.observe(np.zeros_like(mesh.points))
+        self.outside_mm = max(float(np.median(rest.missing)), 0.0)
 
     def observe(self, displacement: FloatArray) -> Observation:
         """Compare each measured point with the deformed surface nearest to it."""
@@ -63,7 +65,7 @@ class MeasuredWholeSurface:
         self.points = np.concatenate([self._matched.points, mesh.points[self._own]])
         self.measured = self.points
         self.labels = _numbered(len(self.points))
-        self.distance_mm = self._matched.distance_mm
+        self.distance_mm, self.outside_mm = self._matched.distance_mm, 0.0
 
     def observe(self, displacement: FloatArray) -> Observation:
         """Compare both surfaces, each point with the nearest place of the other."""
