@@ -164,7 +164,7 @@ class Registrar:
         fit, rows, offset = search.fit, search.rows(), search.offset()
         lengths = error_lengths(fit.posterior, search.response, seed)
         kinds = [one.kind for one in measurements]
-        estimate = estimate_of(lengths, coverage, kinds, self.skull)
+        estimate = estimate_of(lengths, coverage, kinds, corrected=rigid_offset)
         verdict = self._verdict(search, estimate, measurements, offset, whole)
         seconds = time.perf_counter() - start
         kept = rows.spread((~fit.outliers).astype(float)) > 0

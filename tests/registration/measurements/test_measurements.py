@@ -5,10 +5,19 @@ from hypothesis import strategies as st
 
 from meshes import block_mesh
 from physgnn.errors import InputError
-from physgnn.geometry.measured import PointPairs, SurfacePoints
+from physgnn.geometry import boundary_faces, boundary_surface
+from physgnn.geometry.measured import (
+    Landmarks,
+    PointPairs,
+    SurfacePoints,
+    WholeSurface,
+)
 from physgnn.registration.measurements.places import surface_interpolation
-from physgnn.registration.measurements.points import measured_pairs
-from physgnn.registration.measurements.surfaces import MeasuredSurface
+from physgnn.registration.measurements.points import measured_landmarks, measured_pairs
+from physgnn.registration.measurements.surfaces import (
+    MeasuredSurface,
+    MeasuredWholeSurface,
+)
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -53,3 +62,55 @@ def test_pairs_are_seen_in_all_components() -> None:
     pairs = PointPairs(source, source + np.array([1.0, 2.0, 3.0]))
     seen = measured_pairs(mesh, pairs).observe(np.ones_like(mesh.points))
     np.testing.assert_allclose(seen.missing, np.tile([0.0, 1.0, 2.0], (3, 1)))
+
+
+def test_landmarks_are_interpolated_within_their_cells() -> None:
+    """Linear fields are exact there, which a place on the surface would not be."""
+    mesh = block_mesh(3, jitter=0.15)
+    inside = np.random.default_rng(0).uniform(0.5, 9.5, (30, 3))
+    field = mesh.points @ np.array([[1.0, 2, 0], [0, 1, 3], [2, 0, 1]]) + 1.0
+    seen = measured_landmarks(mesh, Landmarks(inside, inside)).observe(field)
+    wanted = inside @ np.array([[1.0, 2, 0], [0, 1, 3], [2, 0, 1]]) + 1.0
+    np.testing.assert_allclose(seen.missing, -wanted, atol=1e-9)
+    np.testing.assert_allclose(seen.places.sum(axis=1), 1.0)
+
+
+def test_a_landmark_outside_of_the_head_is_named() -> None:
+    source = np.array([[5.0, 5.0, 5.0], [5.0, 5.0, 40.0], [5.0, 5.0, 11.0]])
+    landmarks = Landmarks(source, source, ("vessel", "falx tip", "rim"))
+    with pytest.raises(InputError, match=r"outside of it: 'falx tip' \(30\.0 mm\)\)"):
+        measured_landmarks(block_mesh(3), landmarks)
+
+
+def whole_block(n: int, lift: float) -> WholeSurface:
+    outer = boundary_surface(block_mesh(n, side=40.0))
+    points = outer.points + lift * (outer.points[:, 2:] == 40.0) * [0, 0, 1]
+    used, faces = np.unique(outer.faces, return_inverse=True)
+    return WholeSurface(points[used], faces.reshape(-1, 3).astype(np.int64))
+
+
+def test_a_whole_surface_is_matched_both_ways() -> None:
+    mesh = block_mesh(4, side=40.0)
+    whole = whole_block(5, 2.0)
+    measured = MeasuredWholeSurface(mesh, whole)
+    seen = measured.observe(np.zeros_like(mesh.points))
+    n = len(whole.points)
+    assert len(seen.missing) == n + len(np.unique(boundary_faces(mesh)))
+    for away, points in (
+        (seen.missing[:n, 0], whole.points),
+        (seen.missing[n:, 0], measured.points[n:]),
+    ):
+        x, y, z = points.T
+        within = (x > 5) & (x < 35) & (y > 5) & (y < 35)
+        np.testing.assert_allclose(away[within & (z > 39)], 2.0, atol=1e-6)
+        np.testing.assert_allclose(away[within & (z < 1)], 0.0, atol=1e-6)
+    lift = np.zeros_like(mesh.points)
+    lift[:, 2] = 1.0
+    top = np.abs(seen.of(lift)[:, 0] - 1.0) < 1e-6
+    assert top.sum() > 20
+
+
+def test_which_points_of_a_surface_count_does_not_depend_on_where_they_lie() -> None:
+    points = np.random.default_rng(0).normal(size=(2000, 3))
+    few, again = (SurfacePoints(p).thinned(300).points for p in (points, points + 1e-6))
+    np.testing.assert_allclose(few + 1e-6, again, atol=1e-12)
