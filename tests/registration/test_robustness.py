@@ -1,4 +1,4 @@
-"""Bad points, navigation that is off, several kinds at once; truth by finite elements."""
+"""Bad points, navigation that is off, several kinds at once; truth by the FE solver."""
 
 import numpy as np
 import pytest

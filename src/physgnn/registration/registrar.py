@@ -40,7 +40,7 @@ from physgnn.registration.measurements.kinds import (
     Measured,
     Noise,
     measurements_of,
-    noise_of,
+    noises_of,
 )
 from physgnn.registration.measurements.observation import Measurement
 from physgnn.registration.misfits import Misfit, misfits_of
@@ -156,7 +156,7 @@ class Registrar:
             )
         start = time.perf_counter()
         measurements = measurements_of(self.body, measured)
-        noises = [noise_of(one, noise_mm) for one in measurements]
+        noises = noises_of(measurements, noise_mm)
         search = Search(
             self.tangent, self.modes, measurements, noises, with_offset=rigid_offset
         )

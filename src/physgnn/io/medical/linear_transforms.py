@@ -49,7 +49,8 @@ def read_rigid_transform(path: str | Path) -> FloatArray:
     path = Path(path)
     with reading(path, "a rigid transform"):
         if path.suffix.lower() in ITK_SUFFIXES:
-            return _checked(np.linalg.inv(_in_ras(_from_itk(path))))
+            found = np.linalg.inv(_in_ras(_from_itk(path)))
+            return _checked(np.asarray(found, dtype=np.float64))
         if path.suffix.lower() in TEXT_SUFFIXES:
             return _checked(_from_text(path))
         raise InputError(

@@ -70,21 +70,26 @@ def measurements_of(
     return [KINDS[type(one)](body, one) for one in given]
 
 
-def noise_of(measurement: Measurement, noise_mm: Noise) -> float:
-    """Return the noise of one kind of measurement, checked.
+def noises_of(measurements: Sequence[Measurement], noise_mm: Noise) -> list[float]:
+    """Return the noise of each measurement, mm.
+
+    Parameters
+    ----------
+    measurements : sequence of Measurement
+        Everything measured.
+    noise_mm : float or mapping
+        Of all, or of each kind by its name; 1 mm where it is not named.
 
     Raises
     ------
     InputError
-        If it is not in (0, 20] mm.
+        If one is not in (0, 20] mm, of a kind that was not measured either.
     """
-    if isinstance(noise_mm, Mapping):
-        noise = noise_mm.get(measurement.kind, DEFAULT_NOISE_MM)
-    else:
-        noise = noise_mm
-    if not 0 < noise <= LARGEST_NOISE_MM:
-        raise InputError(
-            f"noise_mm of {measurement.kind} must be in (0, {LARGEST_NOISE_MM:g}] "
-            f"(got {noise})"
-        )
-    return float(noise)
+    if not isinstance(noise_mm, Mapping):
+        noise_mm = {one.kind: noise_mm for one in measurements}
+    for kind, noise in noise_mm.items():
+        if not 0 < noise <= LARGEST_NOISE_MM:
+            raise InputError(
+                f"noise_mm of {kind} must be in (0, {LARGEST_NOISE_MM:g}] (got {noise})"
+            )
+    return [float(noise_mm.get(one.kind, DEFAULT_NOISE_MM)) for one in measurements]
