@@ -1,0 +1,130 @@
+"""Everything that the operating theatre gives, through the command line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyvista as pv
+import SimpleITK as sitk
+from scipy.spatial.transform import Rotation
+
+from meshes import block_mesh
+from physgnn.cli import main
+from physgnn.geometry import boundary_surface
+from physgnn.io import write_mesh
+
+LPS = np.diag([-1.0, -1.0, 1.0])
+TURN = Rotation.from_rotvec([0.2, 0.1, -0.3]).as_matrix()
+SHIFT = np.array([30.0, -12.0, 7.0])
+
+
+def run(*words: object) -> int:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["physgnn", *map(str, words)])
+        try:
+            main()
+        except SystemExit as end:
+            return int(end.code or 0)
+    return 0
+
+
+def sunk(points: np.ndarray) -> np.ndarray:
+    """Less with depth, and at the walls."""
+    depth = (
+        6.0 * np.sin(np.pi * points[:, 0] / 80.0) * np.sin(np.pi * points[:, 1] / 80)
+    )
+    return (depth * points[:, 2] / 80.0)[:, None] * [0.0, 0.0, 1.0]
+
+
+def to_tracker(points: np.ndarray) -> np.ndarray:
+    return (points - SHIFT) @ TURN
+
+
+@pytest.fixture
+def theatre(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A mesh, and pairs, landmarks and surfaces in files, in a tracker's space."""
+    monkeypatch.chdir(tmp_path)
+    body = block_mesh(5, side=80.0)
+    write_mesh("case.vtu", body)
+    top = body.points[body.point_set("loaded")]
+    x, y, z = body.points.T
+    inside = (z > 20) & (z < 80) & (x > 10) & (x < 70) & (y > 10) & (y < 70)
+    deep = body.points[inside][::4]
+    noise = 0.3 * np.random.default_rng(0).normal(size=(2, 200, 3))
+    for name, points, error in (("top", top, noise[0]), ("deep", deep, noise[1])):
+        after = points - sunk(points) + error[: len(points)]
+        if name == "top":
+            after[[7, 28]] = after[[28, 7]]
+        both = np.hstack([to_tracker(points), to_tracker(after)])
+        np.savetxt(f"{name}.csv", both, delimiter=",")
+        half = np.hstack([points, to_tracker(after)])
+        np.savetxt(f"{name}-half.csv", half, delimiter=",")
+    np.savetxt("cloud.csv", to_tracker(top - sunk(top)), delimiter=",")
+    outer = boundary_surface(body)
+    moved = to_tracker(outer.points - sunk(outer.points))
+    pv.PolyData.from_regular_faces(moved, outer.faces.astype(int)).save("whole.ply")
+    transform = sitk.AffineTransform(3)  # from the scan to the tracker, LPS
+    transform.SetMatrix((LPS @ TURN.T @ LPS).ravel().tolist())
+    transform.SetTranslation((-LPS @ TURN.T @ SHIFT).tolist())
+    sitk.WriteTransform(transform, "to-scan.h5")
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = TURN, SHIFT
+    np.savetxt("to-scan.txt", matrix)
+    return tmp_path
+
+
+def error_of(theatre: Path, name: str) -> float:
+    found = pv.read(theatre / name)
+    u = np.asarray(found["displacement_mm"])
+    return float(np.linalg.norm(u + sunk(np.asarray(found.points)), axis=1).mean())
+
+
+def test_all_kinds_count_in_one_call_and_bad_pairs_are_named(
+    theatre: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = ("--points", "top.csv", "--landmarks", "deep.csv", "--surface", "cloud.csv")
+    how = ("--noise-mm", 0.5, "--surface-noise-mm", 1.0, "--misfits", "misfits.csv")
+    space = ("--initial-transform", "to-scan.h5")
+    assert run("register", "case.vtu", *given, *how, *space, "-o", "out.vtu") in (0, 3)
+    said = capsys.readouterr()
+    assert "2 of" in said.out and "rigid offset" in said.out
+    assert "outlier, pairs '8':" in said.err and "outlier, pairs '29':" in said.err
+    assert error_of(theatre, "out.vtu") < 0.5
+    text = (theatre / "misfits.csv").read_text().splitlines()
+    assert text[0] == "kind,label,x_mm,y_mm,z_mm,distance_mm,weight"
+    kinds = {line.split(",")[0] for line in text[1:]}
+    assert kinds == {"pairs", "landmarks", "surface"}
+
+
+def test_every_way_to_the_scan_is_the_same(theatre: Path) -> None:
+    for out, space in (
+        ("h5.vtu", ("--landmarks", "deep.csv", "--initial-transform", "to-scan.h5")),
+        ("txt.vtu", ("--landmarks", "deep.csv", "--initial-transform", "to-scan.txt")),
+        (
+            "half.vtu",
+            ("--landmarks", "deep-half.csv", "--initial-transform", "to-scan.txt")
+            + ("--transformed", "after"),
+        ),
+    ):
+        run("register", "case.vtu", *space, "--noise-mm", 0.5, "-o", out)
+    found = [pv.read(name)["displacement_mm"] for name in ("h5.vtu", "txt.vtu")]
+    np.testing.assert_allclose(*found, atol=1e-4)
+    np.testing.assert_allclose(
+        found[0], pv.read("half.vtu")["displacement_mm"], atol=1e-4
+    )
+
+
+def test_a_whole_surface_alone_is_enough(theatre: Path) -> None:
+    given = ("--whole-surface", "whole.ply", "--initial-transform", "to-scan.txt")
+    run("register", "case.vtu", *given, "--rigid-offset", "-o", "out.vtu")
+    assert error_of(theatre, "out.vtu") < 1.2
+
+
+def test_landmarks_in_another_space_are_refused_in_a_line(
+    theatre: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    del theatre
+    assert run("register", "case.vtu", "--landmarks", "deep.csv", "-o", "o.vtu") == 2
+    said = capsys.readouterr().err
+    assert "landmarks must lie inside the brain (outside of it: '" in said
+    assert "--initial-transform" in said and "Traceback" not in said
