@@ -97,21 +97,18 @@ def test_all_kinds_count_in_one_call_and_bad_pairs_are_named(
 
 
 def test_every_way_to_the_scan_is_the_same(theatre: Path) -> None:
-    for out, space in (
-        ("h5.vtu", ("--landmarks", "deep.csv", "--initial-transform", "to-scan.h5")),
-        ("txt.vtu", ("--landmarks", "deep.csv", "--initial-transform", "to-scan.txt")),
-        (
-            "half.vtu",
-            ("--landmarks", "deep-half.csv", "--initial-transform", "to-scan.txt")
-            + ("--transformed", "after"),
-        ),
-    ):
-        run("register", "case.vtu", *space, "--noise-mm", 0.5, "-o", out)
-    found = [pv.read(name)["displacement_mm"] for name in ("h5.vtu", "txt.vtu")]
-    np.testing.assert_allclose(*found, atol=1e-4)
-    np.testing.assert_allclose(
-        found[0], pv.read("half.vtu")["displacement_mm"], atol=1e-4
-    )
+    ways = {
+        "h5.vtu": ("deep.csv", "to-scan.h5", "both"),
+        "txt.vtu": ("deep.csv", "to-scan.txt", "both"),
+        "half.vtu": ("deep-half.csv", "to-scan.txt", "after"),
+    }
+    for out, (landmarks, transform, ends) in ways.items():
+        given = ("--landmarks", landmarks, "--initial-transform", transform)
+        how = ("--transformed", ends, "--noise-mm", 0.5)
+        run("register", "case.vtu", *given, *how, "-o", out)
+    found = [pv.read(theatre / name)["displacement_mm"] for name in ways]
+    np.testing.assert_allclose(found[1], found[0], atol=1e-4)
+    np.testing.assert_allclose(found[2], found[0], atol=1e-4)
 
 
 def test_a_whole_surface_alone_is_enough(theatre: Path) -> None:

@@ -31,16 +31,16 @@ def test_a_place_that_fits_weighs_about_one_and_a_far_one_nothing() -> None:
 def test_the_fit_maximises_the_density_of_students_t() -> None:
     """With many data the variance of the fit is nothing, and it is the mode."""
     rng = np.random.default_rng(1)
-    rows, _ = line(rng, 3000)
-    rows.d[:300] += 30.0
-    fit = reweighted(rows, np.full(2, 1e6), np.ones(3000), 60)
+    rows, _ = line(rng, 250)
+    rows.d[:75] += 30.0
+    fit = reweighted(rows, np.full(2, 1e6), np.ones(250), 60)
 
     def cost(w: np.ndarray) -> float:
         square = ((rows.d - rows.A @ w).reshape(-1, 3) ** 2).sum(axis=1)
         return float(((NU + 3) / 2 * np.log1p(square / NU)).sum())
 
     mode = minimize(cost, fit.posterior.mean, tol=1e-10).x
-    np.testing.assert_allclose(fit.posterior.mean, mode, atol=2e-3)
+    np.testing.assert_allclose(fit.posterior.mean, mode, atol=5e-3)
 
 
 @pytest.mark.parametrize("seed", range(5))

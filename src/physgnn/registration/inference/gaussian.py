@@ -94,8 +94,7 @@ def choose_variances(
         inverse = np.linalg.inv(np.tensordot(variances, covariances, 1) + rest)
         alpha = inverse @ d
         _, log_det = np.linalg.slogdet(inverse)
-        slope = np.einsum("ij,kij->k", inverse, covariances)
-        slope -= np.einsum("i,kij,j->k", alpha, covariances, alpha)
+        slope = np.tensordot(covariances, inverse, 2) - (covariances @ alpha) @ alpha
         far = (log_deviations - middle) / HYPER_DEVIATION
         total = float(d @ alpha - log_det + far @ far) / 2
         return total, variances * slope + far / HYPER_DEVIATION
