@@ -68,3 +68,17 @@ def test_noise_of_each_kind_is_its_own() -> None:
     rows = Rows(A / noise[:, None], d / noise, noise, ((10, 1), (10, 1)))
     fit = reweighted(rows, np.array([100.0]), np.ones(20), 20)
     assert fit.posterior.mean[0] == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_shift_of_a_few_places_is_no_outlier() -> None:
+    """Nine places of twenty-five move alike by ten times the noise, the others not."""
+    moving = np.zeros((25, 3, 3))
+    moving[:9] = np.eye(3)
+    noise = np.full(75, 0.5)
+    d = moving.reshape(75, 3) @ [1.0, 2.0, -5.0]
+    d = d + noise * np.random.default_rng(0).normal(size=75)
+    rows = Rows(moving.reshape(75, 3) / 0.5, d / 0.5, noise, ((25, 3),))
+    modes = Modes(np.zeros(3, dtype=np.int64), np.empty(0), 0.5)
+    _, fit = robust_start(rows, modes)
+    assert not fit.outliers.any()
+    np.testing.assert_allclose(fit.posterior.mean, [1.0, 2.0, -5.0], atol=0.6)

@@ -27,11 +27,11 @@ class Factors:
 
 
 # By what was measured ("several" for points and anything else), and whether an offset
-# was corrected, whose uncertainty widens the posterior by itself. Of 22 simulated shifts
-# (benchmarks/registration_bounds.py --cases 11 --first-seed 600, and 700), measured 15
-# ways each where the skull holds its points: the quantile of error over the posterior's
-# bound that conformal prediction takes for 90 %, 0.9 (1 + 1/22) (Vovk, Gammerman &
-# Shafer, *Algorithmic Learning in a Random World*, 2005).
+# was corrected, whose uncertainty widens the posterior by itself. Of 22 simulated
+# shifts (benchmarks/registration_bounds.py --cases 11 --first-seed 600, and 700),
+# measured 15 ways each where the skull holds its points: the quantile of error over
+# the posterior's bound that conformal prediction takes for 90 %, 0.9 (1 + 1/22) (Vovk,
+# Gammerman & Shafer, *Algorithmic Learning in a Random World*, 2005).
 FACTORS: Mapping[tuple[str, bool], Factors] = {
     ("pairs", False): Factors(1.35, 1.7),
     ("pairs", True): Factors(1.3, 1.3),
