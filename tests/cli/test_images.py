@@ -7,6 +7,7 @@ import nibabel as nib
 import numpy as np
 import pytest
 import pyvista as pv
+from block_shifts import leaning
 
 from meshes import block_mesh
 from physgnn.cli import main
@@ -42,12 +43,6 @@ def test_a_label_map_becomes_a_mesh(
     assert "apart on average" in capsys.readouterr().err
 
 
-def sunk(top: np.ndarray) -> np.ndarray:
-    """A brain's sinking, 7 mm in the middle: not that of a tracker that has moved."""
-    depth = 7.0 * np.sin(np.pi * top[:, 0] / 80.0) * np.sin(np.pi * top[:, 1] / 80.0)
-    return depth[:, None] * [0.0, 0.0, 1.0]
-
-
 def test_measured_points_become_a_deformed_image(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -55,7 +50,8 @@ def test_measured_points_become_a_deformed_image(
     case, csv, out = (tmp_path / name for name in ("case.vtu", "m.csv", "out.vtu"))
     write_mesh(case, body)
     top = body.points[body.point_set("loaded")]
-    np.savetxt(csv, np.hstack([top, top - sunk(top)]), delimiter=",")
+    shift = leaning(body, 12.0)[body.point_set("loaded")]
+    np.savetxt(csv, np.hstack([top, top + shift]), delimiter=",")
     run("register", case, "--points", csv, "--noise-mm", 0.5, "-o", out)
     said = capsys.readouterr().out
     assert "misfit" in said and "rigid offset" in said

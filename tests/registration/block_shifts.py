@@ -9,7 +9,7 @@ from physgnn.geometry.measured import Landmarks, PointPairs, SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import LoadPath, NeoHookean, RestState, Solver
 from physgnn.mechanics.body import Body
-from physgnn.registration.registrar import Registration
+from physgnn.registration.registrar import Registrar, Registration
 
 SIDE = 100.0
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(6000.0, 0.45)}
@@ -72,3 +72,10 @@ def seen_inside(mesh: TetMesh, u: FloatArray, seed: int, count: int = 12) -> Lan
     source = mesh.points[chosen]
     noise = rng.normal(scale=NOISE, size=source.shape)
     return Landmarks(source, source + u[chosen] + noise)
+
+
+def leaning(mesh: TetMesh, size_mm: float) -> FloatArray:
+    """Linear elasticity under weight and a patch of traction: no tracker moves so."""
+    modes = Registrar(Body(mesh, MATERIALS)).modes
+    u = (modes.response[10] - modes.response[2]).astype(np.float64)
+    return u * size_mm / np.linalg.norm(u, axis=1).max()
