@@ -76,8 +76,9 @@ def test_a_measured_surface_becomes_a_deformed_label_map(
         tmp_path / name for name in ("case.vtu", "c.csv", "m.toml", "labels.nii")
     )
     write_mesh(case, body)
-    top = body.points[body.point_set("loaded")]
-    np.savetxt(cloud, top - [0, 0, 6], delimiter=",")
+    x, y = np.meshgrid(*2 * [np.linspace(0.0, 80.0, 16)])
+    flat = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 74.0)])
+    np.savetxt(cloud, flat, delimiter=",")
     toml.write_text('[materials.brain]\ntissue = "brain-ogden"\n')
     how = ("--skull", "sliding", "--materials", toml, "--as", "labels", "-o", out)
     run("register", case, "--surface", cloud, *how)

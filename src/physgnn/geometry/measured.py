@@ -8,7 +8,6 @@ import numpy as np
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_points
-from physgnn.geometry.surface import Surface
 
 FEWEST_PAIRS, FEWEST_POINTS = 3, 10
 
@@ -125,11 +124,6 @@ class WholeSurface(SurfacePoints):
     """
 
     faces: IntArray
-
-    @classmethod
-    def of(cls, surface: Surface) -> "WholeSurface":
-        """Return what a segmented brain's surface measures."""
-        return cls(surface.points, surface.faces.astype(np.int64))
 
 
 def farthest_points(

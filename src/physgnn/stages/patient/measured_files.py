@@ -94,8 +94,8 @@ def whole(surface: Surface, matrix: FloatArray) -> WholeSurface:
     matrix : (4, 4) array
         Takes it to the space of the scan.
     """
-    moved = Surface(transformed(matrix, surface.points), surface.faces)
-    return WholeSurface.of(moved)
+    points = transformed(matrix, surface.points)
+    return WholeSurface(points, surface.faces.astype(np.int64))
 
 
 def _pairs(
