@@ -18,6 +18,7 @@ from physgnn.mechanics.materials.fitted_laws import FAMILIES
 from physgnn.registration.skull import SUPPORTS
 from physgnn.segmentation.backends import AUTO, BACKENDS
 from physgnn.segmentation.contrasts import FLUID_IS_BRIGHT
+from physgnn.stages.patient.measured_files import TRANSFORMED
 
 
 @pytest.mark.parametrize(
@@ -34,6 +35,7 @@ from physgnn.segmentation.contrasts import FLUID_IS_BRIGHT
         ("Clock", CLOCKS),
         ("PrecisionName", PRECISIONS),
         ("Skull", SUPPORTS),
+        ("Transformed", TRANSFORMED),
         ("Interpolation", INTERPOLATIONS),
         ("AffineForm", FORMS),
         ("BrainBackend", [*BACKENDS, AUTO]),

@@ -25,6 +25,7 @@ TABLES = {
     "Clock": ("learning/training/budget.py", "CLOCKS"),
     "PrecisionName": ("learning/physgnn/precision.py", "PRECISIONS"),
     "Skull": ("registration/skull.py", "SUPPORTS"),
+    "Transformed": ("stages/patient/measured_files.py", "TRANSFORMED"),
     "AffineForm": ("io/medical/images/nifti_place.py", "FORMS"),
     "Interpolation": ("imaging/image_warping.py", "INTERPOLATIONS"),
     "BrainBackend": ("segmentation/backends/__init__.py", "BACKENDS"),
@@ -94,6 +95,7 @@ if TYPE_CHECKING:
     Clock: TypeAlias = str
     PrecisionName: TypeAlias = str
     Skull: TypeAlias = str
+    Transformed: TypeAlias = str
     AffineForm: TypeAlias = str
     Interpolation: TypeAlias = str
     BrainBackend: TypeAlias = str
