@@ -17,6 +17,13 @@ class PresetName(StrEnum):
     FAMILY = "family"
 
 
+class Mesher(StrEnum):
+    """What fills surfaces: rows of `physgnn.geometry.meshing.tetrahedra.MESHERS`."""
+
+    TETWILD = "tetwild"
+    TETGEN = "tetgen"
+
+
 class SolverName(StrEnum):
     """What solves load paths: rows of `physgnn.dataset.SOLVERS`."""
 

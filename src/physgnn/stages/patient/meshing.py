@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from physgnn.choices import Mesher
 from physgnn.errors import InputError
 from physgnn.geometry import (
     Rule,
@@ -15,7 +16,10 @@ from physgnn.geometry import (
     select,
     tetrahedralize,
 )
+from physgnn.geometry.meshing import tetgen_process
 from physgnn.geometry.plausibility import check_millimetres, check_volume_ml
+from physgnn.geometry.segmentation.masks import SMALLEST_MM3
+from physgnn.geometry.segmentation.remeshing import remeshed, too_fine
 from physgnn.geometry.surface import volume
 from physgnn.progress import Log, no_log
 
@@ -30,12 +34,15 @@ def mesh(
     brain_mask: str | Path | None = None,
     smoothing_mm: float | None = None,
     closing_mm: float | None = None,
+    smallest_mm3: float = SMALLEST_MM3,
     brain: str | Path | None = None,
     tumour: Sequence[str | Path] = (),
     mni152: bool = False,
     sets: str | Path | None = None,
     max_volume_mm3: float | None = None,
     target_points: int | None = None,
+    keep_surface: bool = False,
+    mesher: Mesher | str | None = None,
     quality_floor: float | None = None,
     ignore_labels: bool = False,
     any_size: bool = False,
@@ -50,7 +57,7 @@ def mesh(
         Where the mesh goes, VTU.
     segmentation : path, optional
         NIfTI label map; or else `brain`, or `mni152`.
-    labels, brain_mask, smoothing_mm, closing_mm
+    labels, brain_mask, smoothing_mm, closing_mm, smallest_mm3
         How the label map is read: see
         `physgnn.stages.patient.segmentation.mesh_segmentation`.
     brain : path, optional
@@ -64,7 +71,13 @@ def mesh(
     max_volume_mm3 : float, optional
         Largest cell; by default the published rule.
     target_points : int, optional
-        About how many points the mesh shall have.
+        About how many points the mesh shall have; surfaces that are too fine for it
+        are remeshed.
+    keep_surface : bool
+        Keep the surfaces' points, as published.
+    mesher : Mesher or str, optional
+        ``"tetwild"``, by default where surfaces may be moved by 0.1 mm (label maps,
+        `target_points`), or ``"tetgen"``, by default where they are kept.
     quality_floor : float, optional
         Smallest mean ratio a cell may have; see `physgnn.geometry.check_quality`.
     ignore_labels : bool
@@ -90,9 +103,11 @@ def mesh(
     check_folder(Path(out))
     if [mni152, brain is not None, segmentation is not None].count(True) != 1:
         raise InputError("give a label map, --brain, or --mni152 for the bundled case")
+    kept = keep_surface or (segmentation is None and target_points is None)
     shared: dict[str, Any] = {
         "rules": {} if sets is None else read_point_sets(sets),
         "quality_floor": quality_floor,
+        "mesher": _mesher(mesher, kept=kept),
         "log": log,
     }
     if segmentation is not None:
@@ -105,6 +120,7 @@ def mesh(
             ),
             smoothing_mm=smoothing_mm,
             closing_mm=closing_mm,
+            smallest_mm3=smallest_mm3,
             ignore_labels=ignore_labels,
             any_size=any_size,
             affine=affine,
@@ -119,10 +135,18 @@ def mesh(
         size: dict[str, Any] = {
             "max_volume_mm3": max_volume_mm3,
             "target_points": target_points,
+            "keep_surface": keep_surface,
         }
         made = mesh_surfaces(surface, inner, **size, **shared)
     write_mesh(out, made)
     return made
+
+
+def _mesher(named: Mesher | str | None, *, kept: bool) -> Mesher | str:
+    """Return the mesher that was named, else the better of those that are there."""
+    if named is not None:
+        return named
+    return Mesher.TETGEN if kept and tetgen_process.available() else Mesher.TETWILD
 
 
 def named_surfaces(
@@ -145,6 +169,8 @@ def mesh_surfaces(
     rules: Mapping[str, Rule] | None = None,
     quality_floor: float | None = None,
     names: Sequence[str] = (),
+    keep_surface: bool = True,
+    mesher: Mesher | str | None = None,
     log: Log = no_log,
     **size: Any,
 ) -> TetMesh:
@@ -160,6 +186,10 @@ def mesh_surfaces(
         See `physgnn.geometry.check_quality`.
     names : sequence of str
         What messages call the surfaces inside the brain; by default tumours.
+    keep_surface : bool
+        Whether surfaces finer than ``target_points`` needs are kept all the same.
+    mesher : Mesher or str, optional
+        See `physgnn.geometry.tetrahedralize`.
     log : callable
         Called with what was repaired, and the mesh's size and quality.
     **size
@@ -171,15 +201,18 @@ def mesh_surfaces(
         If a surface cannot be meshed, a rule selects nothing, or a cell is too flat.
     """
     checked = []
-    default = [f"tumour {i + 1}" for i in range(len(tumours))]
-    for i, surface in enumerate([brain, *tumours]):
-        name = ["brain", *(names or default)][i]
+    called = names or [f"tumour {i + 1}" for i in range(len(tumours))]
+    for name, surface in zip(["brain", *called], [brain, *tumours], strict=True):
         surface, repaired = check_surface(surface, name)
         checked.append(surface)
         for line in repaired:
             log(line)
-    check_nested(checked[0], checked[1:])
-    mesh = tetrahedralize(checked[0], checked[1:], log=log, **size)
+    check_nested(checked[0], checked[1:], names)
+    target = size.get("target_points")
+    if target is not None and not keep_surface and too_fine(checked[0], target):
+        outer, inner = remeshed(checked[0], checked[1:], target, names=called, log=log)
+        checked = [outer, *inner]
+    mesh = tetrahedralize(checked[0], checked[1:], mesher=mesher, log=log, **size)
     floor = {} if quality_floor is None else {"floor": quality_floor}
     log(str(check_quality(mesh, **floor)))
     sets = {name: select(mesh, rule) for name, rule in (rules or {}).items()}

@@ -82,8 +82,8 @@ def mesh_segmentation(
         label maps of tumours alone need it (BraTS; the skull-stripped T1 will do).
         ``affine``: "sform" or "qform", where the two disagree. ``ignore_labels=True``:
         labels that are not named may be left out. ``any_size=True``: the brain may have
-        less than 50 or more than 2500 ml. ``smoothing_mm`` and ``closing_mm`` of
-        `extract_surfaces`; ``rules`` and ``quality_floor`` of
+        less than 50 or more than 2500 ml. ``smoothing_mm``, ``closing_mm`` and
+        ``smallest_mm3`` of `extract_surfaces`; ``rules`` and ``quality_floor`` of
         `physgnn.stages.patient.meshing.mesh_surfaces`.
 
     Returns
@@ -100,7 +100,7 @@ def mesh_segmentation(
     read = LabelOptions(**_taken(options, LabelOptions.__dataclass_fields__))
     with reading(path, "a label map"):
         volume, table = _label_map(path, labels, read, log)
-    smoothing = _taken(options, ("smoothing_mm", "closing_mm"))
+    smoothing = _taken(options, ("smoothing_mm", "closing_mm", "smallest_mm3"))
     found = extract_surfaces(volume, table, target_points=target_points, **smoothing)
     for line in (*found.notes, *(f"{name}: {fit}" for name, fit in found.fits.items())):
         log(line)
@@ -114,7 +114,8 @@ def mesh_segmentation(
     )
     mesh = with_ventricles(mesh, found.ventricles)
     at_rest = deformed_labels(mesh, np.zeros_like(mesh.points), volume.grid)
-    for line in label_lines(volume, table, at_rest.data - 1, REGIONS):
+    whole = found.fits["brain"].dice
+    for line in label_lines(volume, table, at_rest.data - 1, REGIONS, whole=whole):
         log(line)
     return mesh
 
