@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from physgnn.stages import export as export
     from physgnn.stages import fit_material as fit_material
     from physgnn.stages import import_results as import_results
+    from physgnn.stages import init as init
     from physgnn.stages import mesh as mesh
     from physgnn.stages import predict as predict
     from physgnn.stages import published as published
@@ -88,6 +89,7 @@ _HOME = {
     "export": "stages",
     "fit_material": "stages",
     "import_results": "stages",
+    "init": "stages",
     "mesh": "stages",
     "predict": "stages",
     "published": "stages",

@@ -25,6 +25,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 app.command()(simulation.mesh)
+app.command()(patients.init)
 app.command()(simulation.simulate)
 app.command()(training.train)
 app.command()(predictions.evaluate)

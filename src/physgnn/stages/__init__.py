@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from physgnn.stages.networks.published_weights import published as published
     from physgnn.stages.networks.training import train as train
     from physgnn.stages.patient.adaptation import adapt as adapt
+    from physgnn.stages.patient.case_file import init as init
     from physgnn.stages.patient.meshing import mesh as mesh
     from physgnn.stages.patient.prediction import predict as predict
     from physgnn.stages.patient.registration import register as register
@@ -43,6 +44,7 @@ _HOME = {
     "export": "datasets.exchange",
     "fit_material": "materials.fitting",
     "import_results": "datasets.exchange",
+    "init": "patient.case_file",
     "mesh": "patient.meshing",
     "predict": "patient.prediction",
     "published": "networks.published_weights",
