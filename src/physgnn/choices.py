@@ -24,6 +24,14 @@ class Mesher(StrEnum):
     TETGEN = "tetgen"
 
 
+class MembraneSupport(StrEnum):
+    """How falx and tentorium act: see `physgnn.dataset.membranes`."""
+
+    HELD = "held"
+    ELASTIC = "elastic"
+    LEFT_OUT = "left-out"
+
+
 class SolverName(StrEnum):
     """What solves load paths: rows of `physgnn.dataset.SOLVERS`."""
 

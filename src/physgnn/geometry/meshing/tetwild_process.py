@@ -1,7 +1,8 @@
 """One run of fTetWild in a process of its own.
 
 `run` starts this file as a script, which imports NumPy, pytetwild and what it needs of
-this package alone. One thread, so that the same surfaces always give the same mesh.
+this package alone, on one thread. Two runs on the same surfaces give meshes of the same
+quality, but not the same points.
 """
 
 import sys

@@ -14,15 +14,12 @@ from physgnn.geometry.segmentation.label_table import LabelTable
 
 # Cortex and the white matter below it, by Desikan (1000-4035) and by Destrieux
 # (11100-14175), and what is left unsegmented of the white matter (5001, 5002).
-_LEFT_PARCELS = (
-    *(n for i in (1000, 3000) for n in range(i, i + 36)),
-    *(n for i in (11100, 13100) for n in range(i, i + 76)),
-    5001,
-)
-_RIGHT_PARCELS = (
-    *(n for i in (2000, 4000) for n in range(i, i + 36)),
-    *(n for i in (12100, 14100) for n in range(i, i + 76)),
-    5002,
+_LEFT_PARCELS = (*range(1000, 1036), *range(11100, 11176))
+_RIGHT_PARCELS = (*range(2000, 2036), *range(12100, 12176))
+_WHITE_PARCELS = (
+    *(n for i in (3000, 4000) for n in range(i, i + 36)),
+    *(n for i in (13100, 14100) for n in range(i, i + 76)),
+    *(5001, 5002),
 )
 # White matter, cortex, deep grey matter, vessels, lesions of white matter (25, 57, 78,
 # 79, 81, 82 and 100-117: those of ageing, not tumours), hippocampal subfields.
@@ -62,14 +59,14 @@ _OUTSIDE = (
 )
 FREESURFER = LabelTable(
     {
-        "brain": (*_LEFT, *_RIGHT, *_CEREBELLUM, *_MIDLINE),
+        "brain": (*_LEFT, *_RIGHT, *_WHITE_PARCELS, *_CEREBELLUM, *_MIDLINE),
         "ventricle": tuple(_VENTRICLES),
     },
     closing_mm=4.0,
     names={**_LESIONS, **_VENTRICLES},
     outside=_OUTSIDE,
-    left=_LEFT,
-    right=_RIGHT,
+    left=(3, 19, 20, *_LEFT_PARCELS),
+    right=(42, 55, 56, *_RIGHT_PARCELS),
     cerebellum=_CEREBELLUM,
 )
 
@@ -98,8 +95,8 @@ _NEUROMORPHOMETRICS = LabelTable(
     closing_mm=4.0,
     names=_NM_VENTRICLES,
     outside=(46,),
-    left=_NM_LEFT,
-    right=_NM_RIGHT,
+    left=tuple(range(101, 208, 2)),
+    right=tuple(range(100, 208, 2)),
     cerebellum=_NM_CEREBELLUM,
 )
 
@@ -109,8 +106,8 @@ _HARVARD_OXFORD = LabelTable(
     {"brain": (*_HO_LEFT, *_HO_RIGHT, 8), "ventricle": tuple(_HO_VENTRICLES)},
     closing_mm=4.0,
     names=_HO_VENTRICLES,
-    left=_HO_LEFT,
-    right=_HO_RIGHT,
+    left=(2,),
+    right=(13,),
 )
 
 ANATOMICAL: Mapping[str, LabelTable] = MappingProxyType(

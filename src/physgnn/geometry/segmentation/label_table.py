@@ -25,8 +25,8 @@ class LabelTable:
     needs_mask : bool
         Whether the convention leaves the healthy brain without a label.
     left, right, cerebellum : tuple of int
-        Labels of the left and the right cerebral hemisphere and of the cerebellum,
-        where the convention tells them apart; ``left`` and ``right`` have no ventricle.
+        Labels of the left and the right cerebral cortex and of the cerebellum, where
+        the convention tells them apart.
 
     Raises
     ------

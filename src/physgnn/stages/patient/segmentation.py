@@ -26,6 +26,7 @@ from physgnn.geometry.segmentation.label_tables import (
     label_table,
     resolved,
 )
+from physgnn.geometry.segmentation.membranes import membrane_sets
 from physgnn.geometry.segmentation.ventricles import with_ventricles
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging import deformed_labels
@@ -113,6 +114,10 @@ def mesh_segmentation(
         **options,
     )
     mesh = with_ventricles(mesh, found.ventricles)
+    sheets = membrane_sets(mesh, volume, table)
+    for name, points in sheets.items():
+        log(f"point set '{name}': {len(points)} points")
+    mesh = mesh.with_point_sets(**{**sheets, **mesh.point_sets})
     at_rest = deformed_labels(mesh, np.zeros_like(mesh.points), volume.grid)
     whole = found.fits["brain"].dice
     for line in label_lines(volume, table, at_rest.data - 1, REGIONS, whole=whole):
