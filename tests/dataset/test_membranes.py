@@ -10,7 +10,8 @@ from physgnn.dataset import Preset
 from physgnn.dataset.membranes import Membranes
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics import NeoHookean, SolverOptions, Springs, solve
+from physgnn.mechanics import Body, NeoHookean, SolverOptions, Springs, solve
+from physgnn.mechanics.equilibrium.full_newton import Newton
 from physgnn.mechanics.loads.sampling import traction_paths
 from physgnn.mechanics.loads.springs import membrane_springs
 
@@ -52,6 +53,18 @@ def test_springs_pull_back_in_proportion(mesh: TetMesh) -> None:
     for nodes, k in (([1, 1], [1.0, 1.0]), ([1], [0.0]), ([1], [1.0, 2.0])):
         with pytest.raises(InputError):
             Springs(np.array(nodes), np.array(k))
+
+
+def test_the_exact_solution_is_the_same(mesh: TetMesh) -> None:
+    """Full Newton, which has the springs in its tangent, finds what `solve` finds."""
+    membranes = Membranes(falx="elastic")
+    body, (path,) = Preset(MATERIALS, PATHS, membranes=membranes).on(mesh)
+    exact = Newton(Body(body, MATERIALS)).solve(path, np.zeros_like(body.points))
+    assert exact is not None
+    np.testing.assert_allclose(displaced(mesh, membranes), exact, atol=1e-3)
+    pattern = Body(body, MATERIALS).pattern
+    diagonal = pattern.indices[pattern.indptr[:-1]]
+    np.testing.assert_array_equal(diagonal, np.arange(pattern.n_unknowns))
 
 
 def test_the_stiffness_is_that_of_the_area(mesh: TetMesh) -> None:
