@@ -17,7 +17,7 @@ from physgnn.geometry.image import ImageGrid, LabelVolume
 from physgnn.geometry.regions import REGIONS
 from physgnn.geometry.segmentation.label_table import LabelTable
 from physgnn.geometry.segmentation.mask_surface import parts_of
-from physgnn.geometry.segmentation.piece_names import (
+from physgnn.geometry.segmentation.naming import (
     piece_names,
     structure_names,
     structures,
