@@ -38,7 +38,7 @@ from physgnn.mechanics.loads.sampling import cone_paths
 from physgnn.stages.patient.case_file import craniotomy_at
 
 MATERIALS = {i: TISSUES[name].material for i, name in enumerate(("brain", "tumour"))}
-TRACTIONS_PA = (2200.0, 4400.0)
+TRACTIONS_PA = (500.0, 1000.0)
 LEVELS = 5
 COLUMNS = (
     "surfaces",
