@@ -40,7 +40,7 @@ def test_regions_have_the_volumes_of_the_surfaces(
     inside = sum(volume(tumour) for tumour in tumours)
     assert mesh.cell_volumes[mesh.region == 1].sum() == pytest.approx(inside, rel=0.02)
     assert mesh.cell_volumes.sum() == pytest.approx(volume(brain), rel=0.005)
-    assert mesh.n_points == pytest.approx(1500, rel=0.12)
+    assert mesh.n_points == pytest.approx(1500, rel=0.2)
 
 
 def test_surfaces_stay_within_the_envelope(
