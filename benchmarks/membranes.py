@@ -19,9 +19,10 @@ from physgnn.geometry import TetMesh, boundary_surface
 from physgnn.io import read_mesh, write_mesh
 from physgnn.mechanics import TISSUES, solve
 from physgnn.mechanics.loads.sampling import cone_paths
-from physgnn.stages.patient.case_file import TRACTION_PA, craniotomy_at
+from physgnn.stages.patient.case_file import craniotomy_at
 from physgnn.stages.patient.segmentation import mesh_segmentation
 
+TRACTION_PA = 500.0  # Pa on what is laid open
 SUPPORTS = ("left-out", "elastic", "held")
 MATERIALS = {
     i: TISSUES[name].material for i, name in enumerate(("brain", "tumour", "ventricle"))
@@ -40,7 +41,7 @@ def shifts(mesh: TetMesh, seed: int) -> dict[str, FloatArray]:
         total_force_n=TRACTION_PA * opened.area_mm2 * 1e-6,
         cone_deg=30.0,
         n_paths=1,
-        n_levels=4,
+        n_levels=1,
         nodes_per_path=None,
         seed=seed,
     )

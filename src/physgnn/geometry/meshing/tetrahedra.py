@@ -22,7 +22,8 @@ TARGET_RANGE = (1_000, 200_000)
 # fTetWild takes twenty seconds where TetGen takes one
 TARGET_TOLERANCE = {Mesher.TETGEN: 0.05, Mesher.TETWILD: 0.1}
 TARGET_RUNS = 6
-SATURATED = 0.01  # larger cells change nothing more: the surfaces set the number
+# Of the tolerance: larger cells change no more, the surfaces set the number.
+SATURATED = 0.2
 
 
 def tetrahedralize(
@@ -207,7 +208,7 @@ def _mesh_near(
             break
         if len(tried) > 1:
             (x0, y0, _), (x1, y1, _) = tried[-2:]
-            if abs(y1 - y0) < SATURATED:
+            if abs(y1 - y0) < SATURATED * tolerance:
                 break
             slope = min((y1 - y0) / (x1 - x0), -0.1)
         log_volume -= np.clip(excess / slope, -4.0, 4.0)
