@@ -5,6 +5,7 @@ import pytest
 from physgnn import choices
 from physgnn.dataset import PRESETS, SOLVERS, SPLITS
 from physgnn.dataset.splits.samples import MESH
+from physgnn.geometry.meshing.tetrahedra import MESHERS
 from physgnn.imaging.image_warping import INTERPOLATIONS
 from physgnn.io.medical.images.nifti_place import FORMS
 from physgnn.io.stress_curves import PA
@@ -25,6 +26,7 @@ from physgnn.stages.patient.measured_files import TRANSFORMED
     ("choice", "rows"),
     [
         ("PresetName", PRESETS),
+        ("Mesher", MESHERS),
         ("SolverName", SOLVERS),
         ("Element", ELEMENTS),
         ("FittedLaw", FAMILIES),

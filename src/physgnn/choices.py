@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 PACKAGE = Path(__file__).parent
 TABLES = {
     "PresetName": ("dataset/presets.py", "PRESETS"),
+    "Mesher": ("geometry/meshing/tetrahedra.py", "MESHERS"),
     "SolverName": ("dataset/generation/pending_paths.py", "SOLVERS"),
     "Element": ("mechanics/elements/tet4.py", "ELEMENTS"),
     "FittedLaw": ("mechanics/materials/fitted_laws.py", "FAMILIES"),
@@ -47,6 +48,14 @@ class Device(StrEnum):
     GPU = "gpu"
     MPS = "mps"
     AUTO = "auto"
+
+
+class MembraneSupport(StrEnum):
+    """How falx and tentorium act: see `physgnn.dataset.membranes`."""
+
+    HELD = "held"
+    ELASTIC = "elastic"
+    LEFT_OUT = "left-out"
 
 
 class Estimate(StrEnum):
@@ -86,6 +95,7 @@ def _value(node: ast.stmt) -> Any:
 if TYPE_CHECKING:
     # what a type checker sees of the choices that the command line offers
     PresetName: TypeAlias = str
+    Mesher: TypeAlias = str
     SolverName: TypeAlias = str
     Element: TypeAlias = str
     FittedLaw: TypeAlias = str
