@@ -14,10 +14,8 @@ from pathlib import Path
 
 import numpy as np
 import pyvista as pv
-from physgnn.io.medical.nifti import read_segmentation
 
 from physgnn.arrays import FloatArray
-from physgnn.choices import Mesher
 from physgnn.dataset import Preset
 from physgnn.geometry import (
     Surface,
@@ -33,6 +31,7 @@ from physgnn.geometry.boundary import region_faces
 from physgnn.geometry.segmentation.extract import extract_surfaces
 from physgnn.geometry.segmentation.label_tables import label_table
 from physgnn.io import read_surface
+from physgnn.io.medical.images.formats import read_segmentation
 from physgnn.mechanics import TISSUES, solve
 from physgnn.mechanics.loads.sampling import cone_paths
 from physgnn.stages.patient.case_file import craniotomy_at

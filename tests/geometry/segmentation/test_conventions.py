@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from physgnn.io.medical.nifti import read_segmentation
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
@@ -20,6 +19,7 @@ from physgnn.geometry.segmentation.label_tables import (
 )
 from physgnn.geometry.segmentation.mask_surface import level_set, stepped_surface
 from physgnn.geometry.segmentation.masks import tissue_masks
+from physgnn.io.medical.images.formats import read_segmentation
 
 SIZE, VOXEL = 56, 3.0
 

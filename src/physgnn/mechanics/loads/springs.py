@@ -80,6 +80,11 @@ def membrane_springs(
     Springs
         A point stands for v^⅔ of the sheet, v a quarter of the volume of its cells:
         within a tenth the area of a point in an even sheet of triangles.
+
+    Raises
+    ------
+    InputError
+        If the stiffness is no number > 0.
     """
     if not 0.0 < stiffness_pa_per_mm < np.inf:
         raise InputError(f"stiffness_pa_per_mm must be > 0 (got {stiffness_pa_per_mm})")
