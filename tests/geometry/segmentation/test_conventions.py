@@ -99,7 +99,7 @@ def test_every_tissue_survives(case: str) -> None:
 
 
 def test_every_convention_is_tried() -> None:
-    tried = {case.split(",")[0] for case in CASES} | {"mask", "brats"}
+    tried = {case.split(",")[0] for case in CASES} | {"mask", "segment", "brats"}
     assert tried == set(LABEL_TABLES)
 
 
