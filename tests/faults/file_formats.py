@@ -32,11 +32,13 @@ from physgnn.io.medical.images.formats import read_image, read_segmentation, wri
 from physgnn.io.medical.markups import read_point_pairs
 from physgnn.io.medical.measured_surface import read_surface_points
 from physgnn.io.meshes.tetrahedra import read_tetrahedra
+from physgnn.io.plans.formats import read_plan, write_plan
 from physgnn.io.simulation import Simulation, solution_of
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
+from plan_files import WRITERS as PLANS
 
 MESH = block_mesh(2)
 U = np.random.default_rng(0).normal(size=(MESH.n_points, 3))
@@ -239,6 +241,13 @@ def _read_log(path: Path) -> Any:
     return read_febio_log(path, load, times=FACTORS, node_ids=np.array([1, 2]))
 
 
+def _read_plan(path: Path) -> Any:
+    """Read, write with the same points, and read again."""
+    plan = read_plan(path)
+    write_plan(path.with_name(f"again-{path.name}"), plan)
+    return plan.points, plan.as_bytes()
+
+
 def _read_arrays(path: Path) -> Any:
     return [simulation.read_solution() for simulation in read_arrays(path)]
 
@@ -289,6 +298,7 @@ FORMATS: Mapping[str, FileFormat] = {
         FileFormat("pairs.tag", _tag, read_point_pairs),
         FileFormat("points.fcsv", _fcsv, read_surface_points),
         FileFormat("pairs.mrk.json", _mrk, read_point_pairs),
+        *(FileFormat(f"plan-{name}", make, _read_plan) for name, make in PLANS.items()),
         FileFormat("load.json", _load_case, lambda path: read_load_case(path, MESH)),
         FileFormat("loads.toml", _text(TOML), _read_toml),
     )

@@ -23,7 +23,8 @@ def warp(
         Path,
         typer.Argument(
             help="The image at rest: NIfTI, NRRD, MetaImage, FreeSurfer's, or a folder "
-            "of DICOM."
+            "of DICOM. Or what was planned on it: points and curves (.mrk.json, .fcsv, "
+            ".tag, .csv), a model (.stl, .vtp, .ply, .obj), tracts (.trk, .tck)."
         ),
     ],
     prediction: Annotated[
@@ -60,8 +61,8 @@ def warp(
     affine: AffineOption = None,
     series: SeriesOption = None,
 ) -> None:
-    """Deform an image as a prediction says."""
-    from physgnn.io.medical.images.formats import named_like
+    """Deform an image, or what was planned on it, as a prediction says."""
+    from physgnn.stages.patient.warping import result_name
 
     with working("warping"):
         stages.warp(
@@ -77,7 +78,7 @@ def warp(
             series=series,
             log=say,
         )
-    print(named_like(out, image))
+    print(result_name(out, image))
 
 
 def register(

@@ -1,0 +1,92 @@
+"""From a plan and a displacement to the plan where the brain is now."""
+
+from pathlib import Path
+
+import numpy as np
+
+from physgnn.arrays import FloatArray, IntArray
+from physgnn.imaging.point_displacement import PointDisplacement, displacement_at
+from physgnn.io.integrity.atomic import check_folder
+from physgnn.io.plans.formats import plan_named_like, read_plan, write_plan
+from physgnn.io.plans.plan import Plan
+from physgnn.io.vtk.prediction_file import read_displacement
+from physgnn.progress import Log, no_log
+
+MOST_NAMES = 20  # of points, in one line
+
+
+def warp_plan(
+    path: str | Path, prediction: str | Path, out: str | Path, *, log: Log = no_log
+) -> Plan:
+    """Move the points of a plan as a prediction says; see `physgnn.stages.warp`.
+
+    Parameters
+    ----------
+    path : path
+        Points, curves, a model or tracts: see `physgnn.io.plans.formats`.
+    prediction : path
+        VTU with the point array ``displacement_mm``.
+    out : path
+        In the plan's own format.
+    log : callable
+        Gets a line on how far points move, on those outside of the brain, and on how
+        far tissue between points of a curve leaves the straight line.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, or plan and mesh do not meet.
+    """
+    out = plan_named_like(out, path)
+    check_folder(out)
+    plan = read_plan(path)
+    mesh, u = read_displacement(prediction, log=log)
+    # the middles of links are carried along to see how far tissue bends there
+    middles = plan.points[plan.links].mean(axis=1)
+    found = displacement_at(mesh, u, np.concatenate([plan.points, middles]))
+    n = len(plan.points)
+    moved = plan.moved_to(plan.points + found.vectors[:n])
+    write_plan(out, moved)
+    lengths = np.linalg.norm(found.vectors[:n], axis=1)
+    log(
+        f"{n} points moved by {lengths.mean():.2f} mm on average, {lengths.max():.2f} "
+        "mm at most"
+    )
+    for line in _outside(plan, found):
+        log(line)
+    if len(middles):
+        straight = moved.points[plan.links].mean(axis=1)
+        log(_bent(middles + found.vectors[n:], straight))
+    return moved
+
+
+def _outside(plan: Plan, found: PointDisplacement) -> list[str]:
+    """Say which points are not in the brain, and what became of them."""
+    away = found.outside_mm[: len(plan.points)]
+    kinds = {
+        "moved as the brain's surface nearby, less with distance": (
+            (away > 0) & (away < found.fade_mm)
+        ),
+        f"{found.fade_mm:.0f} mm or more away, not moved": away >= found.fade_mm,
+    }
+    return [
+        f"warning: outside of the brain, {what}: {_named(plan, away, which)}"
+        for what, chosen in kinds.items()
+        if len(which := np.flatnonzero(chosen))
+    ]
+
+
+def _named(plan: Plan, away: FloatArray, which: IntArray) -> str:
+    """Name points with their distance; of many, how many and how far at most."""
+    if not plan.labels or len(which) > MOST_NAMES:
+        most = float(away[which].max())
+        return f"{len(which)} of {len(away)} points, by up to {most:.1f} mm"
+    return ", ".join(f"{plan.name(int(i))} ({away[i]:.1f} mm)" for i in which)
+
+
+def _bent(tissue: FloatArray, straight: FloatArray) -> str:
+    most = float(np.linalg.norm(tissue - straight, axis=1).max())
+    return (
+        f"halfway between its points, what lay on the curve lies up to {most:.2f} mm "
+        "beside it"
+    )
