@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from physgnn.stages import selftest as selftest
     from physgnn.stages import simulate as simulate
     from physgnn.stages import train as train
+    from physgnn.stages import uncertainty as uncertainty
     from physgnn.stages import view as view
     from physgnn.stages import warp as warp
 
@@ -96,6 +97,7 @@ _HOME = {
     "selftest": "stages",
     "simulate": "stages",
     "train": "stages",
+    "uncertainty": "stages",
     "view": "stages",
     "warp": "stages",
 }

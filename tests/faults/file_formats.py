@@ -34,6 +34,7 @@ from physgnn.io.medical.measured_surface import read_surface_points
 from physgnn.io.meshes.tetrahedra import read_tetrahedra
 from physgnn.io.plans.formats import read_plan, write_plan
 from physgnn.io.simulation import Simulation, solution_of
+from physgnn.io.vtk.error_fields import read_error_fields
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.mechanics.loads.paths import LoadPath
@@ -186,6 +187,13 @@ def _prediction(path: Path) -> None:
     write_prediction(path, MESH, {"displacement_mm": U})
 
 
+def _errors(path: Path) -> None:
+    six = np.tile([1.0, 2.0, 3.0, 0.1, 0.2, 0.3], (MESH.n_points, 1))
+    deviation = np.full(MESH.n_points, np.sqrt(6.0))
+    fields = {"displacement_mm": U, "deviation_mm": deviation, "covariance_mm2": six}
+    write_prediction(path, MESH, fields)
+
+
 def _arrays(path: Path) -> None:
     solution = solution_of(np.stack([U, 2 * U]), FACTORS)
     fixed = MESH.point_set("fixed")
@@ -280,6 +288,7 @@ FORMATS: Mapping[str, FileFormat] = {
         FileFormat("ball.vtp", SPHERE.save, read_surface),
         FileFormat("case.vtu", _prediction, read_mesh),
         FileFormat("moved.vtu", _prediction, read_displacement),
+        FileFormat("errors.vtu", _errors, read_error_fields),
         FileFormat("ascii.vtu", _grid, read_mesh),
         FileFormat("binary.vtk", _grid, read_vtk, isolated=True),
         FileFormat("ascii.vtk", _grid, read_vtk, isolated=True),

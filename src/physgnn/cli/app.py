@@ -13,6 +13,7 @@ from physgnn.cli import (
     predictions,
     simulation,
     training,
+    uncertainty,
     viewing,
 )
 from physgnn.errors import InputError
@@ -42,6 +43,7 @@ app.command()(patients.anatomies)
 app.command()(patients.adapt)
 app.command()(images.warp)
 app.command()(images.register)
+app.command()(uncertainty.uncertainty)
 app.command()(viewing.view)
 
 

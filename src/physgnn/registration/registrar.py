@@ -40,6 +40,7 @@ from physgnn.registration.measurement import (
     Measurement,
     Observation,
 )
+from physgnn.registration.point_covariance import point_covariance
 from physgnn.registration.skull import SUPPORTS
 from physgnn.registration.tangent_response import TangentResponse
 
@@ -75,6 +76,8 @@ class Registration:
         Displacement, error estimate, status with its reasons, and time.
     deviation_mm : (n_points,) array
         Standard deviation of each point's displacement (root of the trace).
+    covariance_mm2 : (n_points, 3, 3) array
+        Of each point's error; its root trace is `deviation_mm`.
     forces : (n_points, 3) array
         The nodal forces that explain the measurement, N; not unique.
     misfit_mm : float
@@ -86,6 +89,7 @@ class Registration:
 
     prediction: Prediction
     deviation_mm: FloatArray
+    covariance_mm2: FloatArray
     forces: FloatArray
     misfit_mm: float
     held_out_mm: float
@@ -173,12 +177,17 @@ class Registrar:
                 fit=fit_of(measurement, search.u, search.posterior),
             )
         )
+        deviation = np.sqrt((lengths**2).mean(axis=0))
+        covariance = point_covariance(
+            search.posterior.covariance, search.response, deviation
+        )
         seconds = time.perf_counter() - start
         return Registration(
             prediction=Prediction(
                 search.u, estimate, verdict.status, seconds, reasons=verdict.reasons
             ),
-            deviation_mm=np.sqrt((lengths**2).mean(axis=0)),
+            deviation_mm=deviation,
+            covariance_mm2=covariance,
             forces=_combined(self.modes.forces, search.w),
             misfit_mm=_rms(measurement.observe(search.u).missing),
             held_out_mm=_rms(search.posterior.held_out),

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from physgnn.stages.patient.meshing import mesh as mesh
     from physgnn.stages.patient.prediction import predict as predict
     from physgnn.stages.patient.registration import register as register
+    from physgnn.stages.patient.uncertainty import uncertainty as uncertainty
     from physgnn.stages.patient.viewing import view as view
     from physgnn.stages.patient.warping import warp as warp
 
@@ -51,6 +52,7 @@ _HOME = {
     "selftest": "experiments.installation",
     "simulate": "datasets.simulation",
     "train": "networks.training",
+    "uncertainty": "patient.uncertainty",
     "view": "patient.viewing",
     "warp": "patient.warping",
 }

@@ -13,6 +13,7 @@ from physgnn.io.displacement_files import DisplacementFields, form_of
 from physgnn.io.medical.images.formats import read_image
 from physgnn.io.medical.markups import read_point_pairs
 from physgnn.io.medical.measured_surface import read_surface_points
+from physgnn.io.vtk.error_fields import COVARIANCE, DEVIATION, packed
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
@@ -88,7 +89,8 @@ def register(
     found = registrar(measured, noise_mm=noise_mm)
     fields = {
         "displacement_mm": found.prediction.displacement,
-        "deviation_mm": found.deviation_mm,
+        DEVIATION: found.deviation_mm,
+        COVARIANCE: packed(found.covariance_mm2),
         "force_n": found.forces,
     }
     said = str(found.prediction.status), found.prediction.reasons
