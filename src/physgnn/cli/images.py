@@ -31,6 +31,14 @@ def warp(
         Path, typer.Argument(help="A displacement written by predict or register, VTU.")
     ],
     out: OutFile,
+    back: Annotated[
+        bool,
+        typer.Option(
+            "--back",
+            help="Take what is of the deformed state, such as a postoperative scan, "
+            "back to the rest state.",
+        ),
+    ] = False,
     labels: Annotated[
         bool, typer.Option("--labels", help="Treat the image as a label map.")
     ] = False,
@@ -69,6 +77,7 @@ def warp(
             image,
             prediction,
             out,
+            back=back,
             labels=labels,
             interpolation=interpolation,
             field=field or (),
@@ -121,6 +130,14 @@ def register(
     materials: Materials = None,
     form: Form = None,
     image: Grid = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write a page about it into this folder, report.html: before and "
+            "after, of the image of --image where one is given; uncertainty; misfit by "
+            "point."
+        ),
+    ] = None,
 ) -> None:
     """Find the whole displacement from what was measured on the surface.
 
@@ -138,6 +155,7 @@ def register(
             materials=materials,
             form=form,
             image=image,
+            report=report,
             log=say,
         )
     status = found.prediction.status

@@ -46,7 +46,11 @@ class PointDisplacement:
 
 
 def displacement_at(
-    mesh: TetMesh, displacement: FloatArray, points: FloatArray
+    mesh: TetMesh,
+    displacement: FloatArray,
+    points: FloatArray,
+    *,
+    fade_mm: float | None = None,
 ) -> PointDisplacement:
     """Return u at points.
 
@@ -58,6 +62,8 @@ def displacement_at(
         On the mesh's points, mm.
     points : (n, 3) array
         Anywhere, mm, RAS+.
+    fade_mm : float, optional
+        As of `physgnn.imaging.forward_field`.
 
     Raises
     ------
@@ -65,7 +71,7 @@ def displacement_at(
         If the displacement does not fit the mesh, or no point is in or near it.
     """
     u, points = checked_displacement(mesh, displacement), np.asarray(points, np.float64)
-    fade_mm = fade_length(u)
+    fade_mm = fade_length(u, fade_mm)
     vectors, inside = interpolated(mesh, u, points)
     outside_mm = np.zeros(len(points))
     away = np.flatnonzero(~inside)

@@ -159,3 +159,38 @@ def test_the_command_prints_what_it_wrote(
     assert end.value.code == 0
     assert capsys.readouterr().out == "moved.mrk.json\n"
     np.testing.assert_allclose(read_plan("moved.mrk.json").points, moved(POINTS))
+
+
+def test_there_and_back_is_where_it_was(tmp_path: Path) -> None:
+    """Of points to rounding, of an image to what is lost between voxels."""
+    z = BODY.points[:, 2]
+    u = np.stack([z**2 / 200, np.sin(z / 8), -z / 10], axis=1)
+    write_prediction(tmp_path / "u.vtu", BODY, {"displacement_mm": u})
+    plan_files.write_tck(tmp_path / "a.tck")
+    x = np.moveaxis(np.indices((41, 41, 41)), 0, -1).astype(float)
+    blob = np.exp(-((x - POINTS[1]) ** 2).sum(-1) / 32.0)
+    write_image(tmp_path / "a.nii", Image(blob, np.eye(4)))
+    for suffix in (".tck", ".nii"):
+        a, b, c = (tmp_path / f"{name}{suffix}" for name in "abc")
+        physgnn.warp(a, tmp_path / "u.vtu", b)
+        physgnn.warp(b, tmp_path / "u.vtu", c, back=True)
+    before, after = (read_plan(tmp_path / f"{name}.tck").points for name in "ac")
+    there = read_plan(tmp_path / "b.tck").points
+    np.testing.assert_allclose(after, before, atol=1e-4)
+    assert np.linalg.norm(there - before, axis=1).min() > 1.0
+    image = nib.load(tmp_path / "c.nii").get_fdata()
+    inside = blob > 0.05
+    assert np.abs(image - blob)[inside].max() < 0.03
+    assert np.abs(nib.load(tmp_path / "b.nii").get_fdata() - blob).max() > 0.2
+
+
+def test_what_folds_has_no_way_back(tmp_path: Path) -> None:
+    u = np.zeros_like(BODY.points)
+    u[:, 0] = -2.0 * BODY.points[:, 0]
+    write_prediction(tmp_path / "u.vtu", BODY, {"displacement_mm": u})
+    plan_files.write_tags(tmp_path / "a.tag")
+    with pytest.raises(InputError, match="no way back: it turns 384 of 384 cells"):
+        physgnn.warp(
+            tmp_path / "a.tag", tmp_path / "u.vtu", tmp_path / "b.tag", back=True
+        )
+    assert not (tmp_path / "b.tag").exists()

@@ -86,14 +86,14 @@ def draw_figures(
         _draw_case(store, model, folder),
         _draw_deformed(store, model, folder),
         _draw_slices(store, model, predict, folder),
-        _save(
+        save_picture(
             "error_over_level",
             "Euclidean error over the load: the mean over nodes and samples on the "
             "left, the mean of the samples' largest on the right; logarithmic.",
             lambda: level_chart(report),
             folder,
         ),
-        _save(
+        save_picture(
             "error_histogram",
             "How the Euclidean errors of all nodes and samples are distributed.",
             lambda: histogram_chart(report),
@@ -106,7 +106,7 @@ def draw_figures(
             "the line are within the bound."
         )
         made.append(
-            _save("error_bound", caption, lambda: estimate_chart(model), folder)
+            save_picture("error_bound", caption, lambda: estimate_chart(model), folder)
         )
     made.append(_draw_worst(store, model, predict, folder))
     return tuple(made)
@@ -114,7 +114,7 @@ def draw_figures(
 
 def draw_bars(samples: Sequence[BarSample], folder: Path) -> Picture:
     """Draw how far error estimates and bounds can be trusted."""
-    return _save(
+    return save_picture(
         "error_bars",
         f"Error estimates and bounds beside the true error, {len(samples)} samples: "
         "the physical estimate over it (shaded: within a factor of two), how often "
@@ -144,7 +144,7 @@ def _draw_case(store: Store, model: ModelErrors, folder: Path) -> Picture:
         made.legend(handles=dots, loc="outside lower center", ncols=4)
         return made
 
-    return _save(
+    return save_picture(
         "case",
         f"The case: {mesh.n_points} points, {mesh.n_cells} tetrahedra, "
         f"{len(store.fixed)} fixed and {len(path.nodes)} loaded points.",
@@ -171,7 +171,7 @@ def _draw_deformed(store: Store, model: ModelErrors, folder: Path) -> Picture:
         _colour_bar(made, axes, DISPLACEMENT_MAP, limits, "displacement, mm")
         return made
 
-    return _save(
+    return save_picture(
         "deformed",
         f"The finite-element solution for load path {sample.path} at "
         f"{100 * sample.load_factor:.0f} % load, true to scale; it moves up to "
@@ -189,7 +189,7 @@ def _draw_slices(
     predicted = predict(case, estimate=Estimate.QUICK).displacement
     image = bundled_t1(store.mesh)
     shown = "The tissues" if image is None else "The T1-weighted image"
-    return _save(
+    return save_picture(
         "slices",
         f"{shown} before and after, as predicted for load path {sample.path} at "
         f"{100 * sample.load_factor:.0f} % load, and squares of each in turn: where "
@@ -234,7 +234,7 @@ def _draw_worst(
         _colour_bar(made, axes[2:], ERROR_MAP, errors, "error, mm")
         return made
 
-    return _save(
+    return save_picture(
         "worst_case",
         f"The worst case of {len(model.samples)}: load path {sample.path} at "
         f"{100 * sample.load_factor:.0f} % load. Mean error {sample.mean:.2g} mm, "
@@ -288,7 +288,7 @@ def _colour_bar(
     )
 
 
-def _save(
+def save_picture(
     name: str, caption: str, figure: Callable[[], Figure], folder: Path
 ) -> Picture:
     """Draw a figure once a theme and save it."""

@@ -1,7 +1,7 @@
-"""What a file says of the error of every point's displacement.
+"""What a file says of the error of each displacement.
 
-``deviation_mm`` is the standard deviation, the root of the trace; ``covariance_mm2`` has
-six components a point: xx, yy, zz, xy, yz, xz, as VTK orders symmetric tensors.
+``deviation_mm`` is the standard deviation, the root of the trace. ``covariance_mm2``
+has six components a point: xx, yy, zz, xy, yz, xz, as VTK orders symmetric tensors.
 """
 
 from dataclasses import dataclass

@@ -70,8 +70,8 @@ def write_prediction(
         n = mesh.n_points
         if values.shape not in ((n,), (n, 3), (n, 6)):
             raise InputError(
-                f"field '{name}' must have one value, vector or symmetric tensor a "
-                f"point, ({n},), ({n}, 3) or ({n}, 6) (got {values.shape})"
+                f"field '{name}' must have one value or vector a point, or a symmetric "
+                f"tensor, ({n},), ({n}, 3) or ({n}, 6) (got {values.shape})"
             )
         grid.point_data[name] = values
     add_notes(grid, notes)

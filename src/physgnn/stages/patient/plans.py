@@ -6,6 +6,7 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.imaging.point_displacement import PointDisplacement, displacement_at
+from physgnn.imaging.reverse import reverse
 from physgnn.io.integrity.atomic import check_folder
 from physgnn.io.plans.formats import plan_named_like, read_plan, write_plan
 from physgnn.io.plans.plan import Plan
@@ -16,7 +17,12 @@ MOST_NAMES = 20  # of points, in one line
 
 
 def warp_plan(
-    path: str | Path, prediction: str | Path, out: str | Path, *, log: Log = no_log
+    path: str | Path,
+    prediction: str | Path,
+    out: str | Path,
+    *,
+    back: bool = False,
+    log: Log = no_log,
 ) -> Plan:
     """Move the points of a plan as a prediction says; see `physgnn.stages.warp`.
 
@@ -28,6 +34,8 @@ def warp_plan(
         VTU with the point array ``displacement_mm``.
     out : path
         In the plan's own format.
+    back : bool
+        The plan is of the deformed state, and goes back to the rest state.
     log : callable
         Gets a line on how far points move, on those outside of the brain, and on how
         far tissue between points of a curve leaves the straight line.
@@ -41,6 +49,8 @@ def warp_plan(
     check_folder(out)
     plan = read_plan(path)
     mesh, u = read_displacement(prediction, log=log)
+    if back:
+        mesh, u = reverse(mesh, u)
     # the middles of links are carried along to see how far tissue bends there
     middles = plan.points[plan.links].mean(axis=1)
     found = displacement_at(mesh, u, np.concatenate([plan.points, middles]))

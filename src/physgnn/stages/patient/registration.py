@@ -18,6 +18,11 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
 from physgnn.progress import Log, no_log
+from physgnn.stages.patient.registration_report import (
+    page_in,
+    registered_case,
+    write_page,
+)
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.registration.registrar import Registration
@@ -39,6 +44,7 @@ def register(
     materials: str | Path | None = None,
     form: str | None = None,
     image: str | Path | None = None,
+    report: str | Path | None = None,
     log: Log = no_log,
 ) -> "Registration":
     """Find the displacement of a whole brain from what was measured of its surface.
@@ -65,6 +71,9 @@ def register(
         published work. Only ratios of stiffness matter.
     form, image
         See `physgnn.stages.predict`.
+    report : path, optional
+        Folder where ``report.html`` goes: before and after (of `image`, where one is
+        given), uncertainty, misfit by point, the status and why. Made if it is missing.
     log : callable
         Called with which measured points were left out, and why.
 
@@ -76,7 +85,8 @@ def register(
     from physgnn.registration.registrar import Registrar
 
     write = form_of(out, form).write
-    grid = None if image is None else read_image(image).grid
+    scan = None if image is None else read_image(image)
+    page = None if report is None else page_in(report)
     if points is not None and surface is None:
         measured: PointPairs | SurfacePoints = read_point_pairs(points, target, log=log)
     elif surface is not None and points is None and target is None:
@@ -94,5 +104,10 @@ def register(
         "force_n": found.forces,
     }
     said = str(found.prediction.status), found.prediction.reasons
-    write(Path(out), DisplacementFields(case, fields, grid, *said))
+    write(
+        Path(out),
+        DisplacementFields(case, fields, None if scan is None else scan.grid, *said),
+    )
+    if page is not None:
+        write_page(page, registered_case(case, found, measured, noise_mm, scan))
     return found

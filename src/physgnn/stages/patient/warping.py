@@ -15,6 +15,7 @@ from physgnn.imaging import (
     round_trip_mm,
 )
 from physgnn.imaging import warp as warped
+from physgnn.imaging.reverse import reverse
 from physgnn.imaging.slices import middle_of_shift
 from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.medical.images.formats import (
@@ -40,6 +41,7 @@ def warp(
     prediction: str | Path,
     out: str | Path,
     *,
+    back: bool = False,
     labels: bool = False,
     interpolation: str | None = None,
     field: Sequence[str | Path] = (),
@@ -57,12 +59,15 @@ def warp(
         Image of the rest state, see `physgnn.io.medical.images.formats`; or what was
         planned on it, see `physgnn.io.plans.formats`: points, curves, models, tracts.
         The suffix says which. A plan moves forward, from X to X + u(X), and takes no
-        further arguments but `log`.
+        further arguments but `back` and `log`.
     prediction : path
         VTU with the point array ``displacement_mm``.
     out : path
         Image of the deformed state, on the same voxels; in the image's own format if
         the name says none. Of a plan always in its own.
+    back : bool
+        What comes is of the deformed state, such as a postoperative scan, and goes back
+        to the rest state.
     labels : bool
         The image is a label map.
     interpolation : str, optional
@@ -99,8 +104,10 @@ def warp(
             "series": series,
         }
         _refuse(image, [name for name, value in given.items() if value])
-        return warp_plan(image, prediction, out, log=log)
+        return warp_plan(image, prediction, out, back=back, log=log)
     mesh, u = read_displacement(prediction, log=log)
+    if back:
+        mesh, u = reverse(mesh, u)
     read = read_segmentation if labels else read_image
     before = read(image, affine=affine, series=series, log=log)
     inverse = inverse_field(mesh, u, before.grid)
