@@ -180,7 +180,7 @@ def test_there_and_back_is_where_it_was(tmp_path: Path) -> None:
     assert np.linalg.norm(there - before, axis=1).min() > 1.0
     image = nib.load(tmp_path / "c.nii").get_fdata()
     inside = blob > 0.05
-    assert np.abs(image - blob)[inside].max() < 0.03
+    assert np.abs(image - blob)[inside].max() < 0.05  # twice between voxels
     assert np.abs(nib.load(tmp_path / "b.nii").get_fdata() - blob).max() > 0.2
 
 
