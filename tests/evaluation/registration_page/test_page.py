@@ -46,6 +46,14 @@ def test_distances_before_and_after_of_a_surface() -> None:
     np.testing.assert_allclose([place.after_mm for place in found], 1.0)
 
 
+def test_places_of_several_measurements_follow_each_other() -> None:
+    pairs, surface = PointPairs(TOP, TOP - [0, 0, 3]), SurfacePoints(TOP)
+    found = measured_places(BODY, DOWN, [pairs, surface])
+    assert [place.name for place in found] == [str(i + 1) for i in range(2 * len(TOP))]
+    assert max(place.after_mm for place in found[: len(TOP)]) < 1e-9
+    np.testing.assert_allclose([p.after_mm for p in found[len(TOP) :]], 3.0)
+
+
 def case_of(*after: float, note: str = "") -> RegisteredCase:
     places = tuple(
         MeasuredPlace(f"p{i}", (1.0, 2.0, 3.0), 5.0, distance, note)

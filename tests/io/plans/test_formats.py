@@ -7,6 +7,7 @@ import nibabel as nib
 import numpy as np
 import pytest
 import pyvista as pv
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 import plan_files
 from physgnn.errors import InputError
@@ -153,6 +154,37 @@ def test_models_keep_colours_and_turn_their_normals(tmp_path: Path) -> None:
                 made.cell_data["thickness"], BALL.cell_data["thickness"]
             )
             assert list(made.field_data["SPACE"]) == ["LPS"]
+
+
+@pytest.mark.parametrize("how", ["lines", "lz4", "ascii", "raw"])
+def test_every_kind_of_vtp(how: str, tmp_path: Path) -> None:
+    """Tracts as lines, and compressions that VTK alone unpacks."""
+    made, path = BALL.copy(), tmp_path / "a.vtp"
+    if how == "lines":
+        made = pv.lines_from_points(POINTS)
+        made.points = made.points.astype(float)
+        made.point_data["fa"] = np.arange(3.0)
+    writer = vtkXMLPolyDataWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(made)
+    if how == "lz4":
+        writer.SetCompressorTypeToLZ4()
+    elif how == "ascii":
+        writer.SetDataModeToAscii()
+    elif how == "raw":
+        writer.SetDataModeToAppended()
+        writer.EncodeAppendedDataOff()
+    writer.Write()
+    plan = read_plan(path)
+    np.testing.assert_allclose(plan.points, made.points, atol=1e-6)
+    write_plan(path, plan.moved_to(plan.points + SHIFT))
+    again = pv.read(path)
+    np.testing.assert_allclose(again.points, made.points + SHIFT, atol=1e-6)
+    assert again.n_cells == made.n_cells and again.n_lines == made.n_lines
+    for name in made.point_data:
+        np.testing.assert_allclose(
+            again.point_data[name], made.point_data[name], atol=0.05
+        )
 
 
 def test_a_normal_of_each_face_stays_one_of_each_face(tmp_path: Path) -> None:

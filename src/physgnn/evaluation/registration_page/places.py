@@ -1,5 +1,6 @@
 """How far each measured place lies from the brain, before and after registration."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging.point_displacement import displacement_at
 
+Measured = PointPairs | SurfacePoints
 NO_FADE_MM = 1e6  # a point near the surface moves as the surface does
 
 
@@ -39,9 +41,24 @@ class MeasuredPlace:
 
 
 def measured_places(
-    mesh: TetMesh, displacement: FloatArray, measured: PointPairs | SurfacePoints
+    mesh: TetMesh,
+    displacement: FloatArray,
+    measured: Measured | Sequence[Measured],
 ) -> tuple[MeasuredPlace, ...]:
     """Return every measured place with its distances, in the order they were given."""
+    each = measured if isinstance(measured, Sequence) else [measured]
+    found = [_distances(mesh, displacement, one) for one in each]
+    where, before, after = (np.concatenate(part) for part in zip(*found, strict=True))
+    return tuple(
+        MeasuredPlace(str(i + 1), (float(x), float(y), float(z)), float(b), float(a))
+        for i, ((x, y, z), b, a) in enumerate(zip(where, before, after, strict=True))
+    )
+
+
+def _distances(
+    mesh: TetMesh, displacement: FloatArray, measured: Measured
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return where it was measured, and the distances before and after."""
     if isinstance(measured, PointPairs):
         where = measured.target
         before = np.linalg.norm(measured.displacement, axis=1)
@@ -53,10 +70,7 @@ def measured_places(
         where = measured.points
         before = _from_surface(mesh, mesh.points, where)
         after = _from_surface(mesh, mesh.points + displacement, where)
-    return tuple(
-        MeasuredPlace(str(i + 1), (float(x), float(y), float(z)), float(b), float(a))
-        for i, ((x, y, z), b, a) in enumerate(zip(where, before, after, strict=True))
-    )
+    return where, before, after
 
 
 def _from_surface(mesh: TetMesh, points: FloatArray, places: FloatArray) -> FloatArray:
