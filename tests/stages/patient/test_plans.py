@@ -194,3 +194,22 @@ def test_what_folds_has_no_way_back(tmp_path: Path) -> None:
             tmp_path / "a.tag", tmp_path / "u.vtu", tmp_path / "b.tag", back=True
         )
     assert not (tmp_path / "b.tag").exists()
+
+
+def test_named_points_say_how_uncertain_they_are(tmp_path: Path) -> None:
+    fields = {
+        "displacement_mm": np.ones_like(BODY.points),
+        "deviation_mm": BODY.points[:, 2] / 10,
+    }
+    write_prediction(tmp_path / "u.vtu", BODY, fields)
+    (tmp_path / "a.csv").write_text("label,x,y,z\na,9,9,20\nb,9,9,30\nskin,9,9,45\n")
+    said: list[str] = []
+    physgnn.warp(
+        tmp_path / "a.csv", tmp_path / "u.vtu", tmp_path / "b.csv", log=said.append
+    )
+    assert said[-1] == "standard deviation in the brain: 'a' 2.0 mm, 'b' 3.0 mm"
+    fields["deviation_mm"] = np.full(BODY.n_points, np.nan)
+    write_prediction(tmp_path / "u.vtu", BODY, fields)
+    with pytest.raises(InputError, match="'deviation_mm' must be finite"):
+        physgnn.warp(tmp_path / "a.csv", tmp_path / "u.vtu", tmp_path / "c.csv")
+    assert not (tmp_path / "c.csv").exists()

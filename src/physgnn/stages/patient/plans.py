@@ -7,10 +7,13 @@ import numpy as np
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.imaging.point_displacement import PointDisplacement, displacement_at
 from physgnn.imaging.reverse import reverse
+from physgnn.imaging.scattered_fields import interpolated
 from physgnn.io.integrity.atomic import check_folder
 from physgnn.io.plans.formats import plan_named_like, read_plan, write_plan
 from physgnn.io.plans.plan import Plan
+from physgnn.io.vtk.error_fields import DEVIATION, read_error_fields
 from physgnn.io.vtk.prediction_file import read_displacement
+from physgnn.io.vtk.reader import read_vtk
 from physgnn.progress import Log, no_log
 
 MOST_NAMES = 20  # of points, in one line
@@ -37,8 +40,9 @@ def warp_plan(
     back : bool
         The plan is of the deformed state, and goes back to the rest state.
     log : callable
-        Gets a line on how far points move, on those outside of the brain, and on how
-        far tissue between points of a curve leaves the straight line.
+        Gets a line on how far points move, on those outside of the brain, on how
+        uncertain that is at points with names, and on how far tissue between points of
+        a curve leaves the straight line.
 
     Raises
     ------
@@ -56,18 +60,24 @@ def warp_plan(
     found = displacement_at(mesh, u, np.concatenate([plan.points, middles]))
     n = len(plan.points)
     moved = plan.moved_to(plan.points + found.vectors[:n])
-    write_plan(out, moved)
-    lengths = np.linalg.norm(found.vectors[:n], axis=1)
-    log(
-        f"{n} points moved by {lengths.mean():.2f} mm on average, {lengths.max():.2f} "
-        "mm at most"
-    )
-    for line in _outside(plan, found):
-        log(line)
+    lines = [_moved(found.vectors[:n]), *_outside(plan, found)]
+    if plan.labels and n <= MOST_NAMES and not back:
+        lines += _trust(prediction, plan)
     if len(middles):
         straight = moved.points[plan.links].mean(axis=1)
-        log(_bent(middles + found.vectors[n:], straight))
+        lines.append(_bent(middles + found.vectors[n:], straight))
+    write_plan(out, moved)
+    for line in lines:
+        log(line)
     return moved
+
+
+def _moved(vectors: FloatArray) -> str:
+    lengths = np.linalg.norm(vectors, axis=1)
+    return (
+        f"{len(vectors)} points moved by {lengths.mean():.2f} mm on average, "
+        f"{lengths.max():.2f} mm at most"
+    )
 
 
 def _outside(plan: Plan, found: PointDisplacement) -> list[str]:
@@ -92,6 +102,21 @@ def _named(plan: Plan, away: FloatArray, which: IntArray) -> str:
         most = float(away[which].max())
         return f"{len(which)} of {len(away)} points, by up to {most:.1f} mm"
     return ", ".join(f"{plan.name(int(i))} ({away[i]:.1f} mm)" for i in which)
+
+
+def _trust(prediction: str | Path, plan: Plan) -> list[str]:
+    """Say how uncertain the displacement is at named points, where the file says so."""
+    arrays = read_vtk(Path(prediction)).point_data
+    if DEVIATION not in arrays:
+        return []
+    fields = read_error_fields(prediction)
+    deviation, inside = interpolated(
+        fields.mesh, fields.deviation_mm[:, None], plan.points
+    )
+    known = [
+        f"{plan.name(int(i))} {deviation[i, 0]:.1f} mm" for i in np.flatnonzero(inside)
+    ]
+    return [f"standard deviation in the brain: {', '.join(known)}"] if known else []
 
 
 def _bent(tissue: FloatArray, straight: FloatArray) -> str:
