@@ -5,11 +5,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import torch
 
 from physgnn.cli import main
 from physgnn.dataset import Store
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_load_case, write_mesh
+from physgnn.learning.physgnn.network import PhysGNN
 
 LOADS = """
 [materials.brain]
@@ -24,7 +26,7 @@ paths = 10
 levels = 2
 nodes_per_path = 3
 """
-TRAINING = "max_epochs = 2\nbatch_size = 4\n[options]\nwidth = 8\n"
+TRAINING = "model = 'physgnn'\nmax_epochs = 2\nbatch_size = 4\n[options]\nwidth = 8\n"
 
 STEPS = ("mesh", "simulate", "train", "evaluate", "predict")
 
@@ -166,12 +168,25 @@ def test_evaluating_no_run(call: Call, folder: Path) -> None:
     assert "is no run folder" in err
 
 
+def test_weights_that_give_no_numbers_are_refused(call: Call, tmp_path: Path) -> None:
+    network = PhysGNN(3, 2)
+    torch.nn.init.constant_(next(network.parameters()), float("nan"))
+    torch.save(network.state_dict(), tmp_path / "weights.pt")
+    code, out, err = call("published", tmp_path / "weights.pt")
+    assert (code, out) == (2, "")
+    assert "its output is not finite" in err
+
+
 def test_published(call: Call, shared: Path) -> None:
     paper = shared / "paper"
     options = ("--golden", paper / "golden_forward.npz", "--configuration", 3)
     code, out, err = call("published", paper / "config3_dataset2.pt", *options)
     assert code == 0, err
     assert float(out.split()[-2]) < 1e-4
+    code, out, err = call("published", paper / "config3_dataset2.pt")
+    assert code == 0, err
+    assert "is finite" in out
+    assert "not checked: whether they are of that configuration" in out
     code, _, err = call("published", paper / "golden_forward.npz", *options)
     assert code == 2
     options = ("--golden", paper / "brain.stl")

@@ -74,8 +74,38 @@ def test_from_a_family_to_a_new_patient(
     assert "split mesh only" in capsys.readouterr().err
 
 
+def test_the_family_may_be_left_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "loads.toml").write_text(LOADS)
+    loads = ("--loads", tmp_path / "loads.toml")
+    case = write_patient(tmp_path / "case.vtu", 1.5)
+    run("adapt", case, *loads, "-o", tmp_path / "first")
+    run("adapt", "bundled-family", case, *loads, "-o", tmp_path / "second")
+    said = capsys.readouterr().out.splitlines()
+    assert [line.split(",")[0].split(": ")[1] for line in said] == ["64 points"] * 2
+    fails("adapt", *loads, "-o", tmp_path / "third")
+    assert "name the new patient's mesh" in capsys.readouterr().err
+
+
 def test_a_family_has_members(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     fails("anatomies", "--count", 0, "-o", tmp_path)
     assert "count must be ≥ 1" in capsys.readouterr().err
+
+
+def test_a_batch_says_who_failed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, out = tmp_path / "patients.csv", tmp_path / "out"
+    table.write_text("name,case,points\nAnna,no.vtu,a.csv\nBo,,b.csv\n")
+    with pytest.raises(AssertionError, match="3"):
+        run("batch", table, "-o", out)
+    told = capsys.readouterr()
+    assert f"Anna  failed: mesh: case: there is no {tmp_path / 'no.vtu'}" in told.out
+    assert "0 of 2 patients ok" in told.out
+    assert "Anna: failed: mesh" in told.err
+    table.write_text("name,colour\nAnna,red\n")
+    fails("batch", table, "-o", out)
+    assert "unknown column 'colour'" in capsys.readouterr().err

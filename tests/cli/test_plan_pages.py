@@ -13,7 +13,7 @@ from documented_pages import DOCS, blocks, command_lines
 from meshes import block_mesh
 from physgnn.cli import main
 from physgnn.geometry.image import Image, LabelVolume
-from physgnn.io import write_mesh
+from physgnn.io import write_mesh, write_prediction
 from physgnn.io.medical.images.formats import read_image, write_image
 from physgnn.stages.patient.registration import register
 
@@ -27,7 +27,9 @@ AFFINE[:3, 3] = [90.0, -10.0, -10.0]
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     write_mesh("case.vtu", BODY)
-    down = TOP - [0.0, 0.0, 4.0]
+    # a dent: what moves as a whole is taken for an offset of the navigation
+    depth = 6.0 * np.exp(-((TOP - [40.0, 40.0, 80.0]) ** 2).sum(1) / (2 * 25.0**2))
+    down = TOP - depth[:, None] * [0.0, 0.0, 1.0]
     np.savetxt("m.csv", np.hstack([TOP, down]), delimiter=",")
     register("case.vtu", "shift.vtu", points="m.csv")
     for name, points in (("before", TOP), ("after", down)):
@@ -72,6 +74,9 @@ def test_the_cavity_returns_to_where_it_was_cut(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Forward and back again is the same label map, but for its rim."""
+    u = np.zeros_like(BODY.points)
+    u[:, 2] = -6.0 * np.sin(np.pi * BODY.points[:, 2] / 80.0)
+    write_prediction("shift.vtu", BODY, {"displacement_mm": u})
     for words in (
         "warp cavity.nii.gz shift.vtu --labels -o there.nii.gz",
         "warp there.nii.gz shift.vtu --back --labels -o back.nii.gz",

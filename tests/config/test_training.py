@@ -14,6 +14,14 @@ def write(folder: Path, text: str) -> Path:
     return path
 
 
+def test_the_lifted_network_is_trained_unless_another_is_meant(tmp_path: Path) -> None:
+    assert read_training(None).model == "lifted"
+    assert read_training(None, model="zero").model == "zero"
+    assert read_training(None, options={"configuration": 3}).model == "physgnn"
+    assert read_training(write(tmp_path, "[options]\ndataset = 1\n")).model == "physgnn"
+    assert read_training(None, default_model="reduced").model == "reduced"
+
+
 def test_training(tmp_path: Path) -> None:
     file = write(tmp_path, "batch_size = 4\nseed = 3\n[options]\nconfiguration = 9\n")
     config = read_training(file, seed=5, max_epochs=None, options={"dataset": 1})

@@ -117,7 +117,7 @@ def test_page_says_what_the_report_says(page: str, report: Report) -> None:
     assert "Published test set" in page
     assert "Whole load paths are held out" in page
     assert "physgnn evaluate &lt;run&gt; &amp; more" in page
-    assert page.count("PhysGNN</th>") == 4
+    assert page.count("PhysGNN</th>") == 5
 
 
 @settings(max_examples=30, deadline=None)

@@ -1,16 +1,12 @@
-"""The page in a real browser: node, playwright-core and Chromium.
+"""The page in a real browser: tests/browser.py says what that needs.
 
-Set PHYSGNN_PLAYWRIGHT to the folder of playwright-core (``npm install playwright-core``
-anywhere; the folder is node_modules/playwright-core), PHYSGNN_CHROMIUM if Chromium is
-not on the path. With PHYSGNN_REQUIRE_BROWSER, as in .ci/run, it is an error if they
-are missing. PHYSGNN_VIEW_RUN names a trained run to show instead of the block;
-empty means the bundled model.
+PHYSGNN_VIEW_RUN names a trained run to show instead of the block; empty means the
+bundled model.
 """
 
 import asyncio
 import json
 import os
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -19,6 +15,7 @@ import numpy as np
 import pytest
 from live_server import serving
 
+from browser import browser_tools
 from physgnn.io import read_load_case
 from physgnn.serving.protocol.messages import PatchLoad
 from physgnn.serving.scene.colours import FIELDS, TISSUE, ColourField
@@ -35,23 +32,6 @@ ADDED = ColourField(
     measure=lambda _, solved: solved.prediction.displacement[:, 2],
     diverging=True,
 )
-
-
-def browser_tools() -> tuple[str, str, str]:
-    node = shutil.which("node")
-    chromium = os.environ.get("PHYSGNN_CHROMIUM") or shutil.which("chromium")
-    playwright = os.environ.get("PHYSGNN_PLAYWRIGHT", "")
-    for name, there in (
-        ("node", node),
-        ("chromium", chromium),
-        ("playwright-core (set PHYSGNN_PLAYWRIGHT)", Path(playwright, "index.mjs")),
-    ):
-        if there is None or not Path(there).exists():
-            says = f"no {name} on this machine: the first lines of this file say how"
-            if os.environ.get("PHYSGNN_REQUIRE_BROWSER"):
-                pytest.fail(says)
-            pytest.skip(says)
-    return str(node), playwright, str(chromium)
 
 
 @pytest.fixture(scope="module")

@@ -73,7 +73,7 @@ def import_results(
     element: Annotated[
         choices.Element,
         typer.Option(help="Take the results for those of this finite element."),
-    ] = choices.Element.TET4,
+    ] = "tet4",
 ) -> None:
     """Make a dataset of another solver's results."""
     with progress("importing") as move:
@@ -83,4 +83,19 @@ def import_results(
     print(
         f"{out}: {store.n_paths} load paths of {store.n_levels} levels, "
         f"{len(store.samples())} levels converged"
+    )
+
+
+def slicer(
+    out: Annotated[
+        Path, typer.Argument(help="The folder to write the modules to; it is made.")
+    ],
+) -> None:
+    """Write modules for 3D Slicer: segment, mesh, register, warp, predict."""
+    made = stages.slicer(out)
+    for launcher in made:
+        print(launcher)
+    print(
+        f"add {out.resolve()} to the module paths of 3D Slicer (Edit, Application "
+        "Settings, Modules) and restart it"
     )

@@ -36,7 +36,7 @@ def reproduce(
             help="Count the hours by this clock: processor time is that of all threads "
             "together, which other work on the machine does not shorten."
         ),
-    ] = choices.Clock.WALL,
+    ] = "wall",
 ) -> None:
     """Repeat the published protocol beside the paper's tables; call it to resume."""
     print(
@@ -72,12 +72,12 @@ def ablate(
     ] = 3,
     split: Annotated[
         choices.SplitName, typer.Option(help="Hold out samples this way.")
-    ] = choices.SplitName.PUBLISHED,
+    ] = "published",
     width: Annotated[
         int,
         typer.Option(help="Give the networks this width; the published one is 112."),
     ] = 112,
-    precision: PrecisionOption = choices.PrecisionName.FLOAT32,
+    precision: PrecisionOption = "float32",
 ) -> None:
     """Compare configurations 1 to 12 at a reduced budget; call it again to resume."""
     with progress("ablation") as move:
@@ -102,8 +102,12 @@ def published(
         Path, typer.Argument(help="The published weights, a state dict, .pt.")
     ],
     golden: Annotated[
-        Path, typer.Option(help="A stored forward pass of them to compare with, .npz.")
-    ],
+        Path | None,
+        typer.Option(
+            help="Compare with this stored forward pass of them, .npz; without it only "
+            "what the file itself tells is checked."
+        ),
+    ] = None,
     configuration: Annotated[
         int, typer.Option(help="The weights are of this configuration, 1 to 12.")
     ] = 3,
@@ -111,12 +115,22 @@ def published(
         int, typer.Option(help="The weights are of this dataset, 1 or 2.")
     ] = 2,
 ) -> None:
-    """Load published weights and compare with a stored forward pass."""
+    """Load published weights and compare with a stored forward pass, if given."""
     with working("comparing"):
         difference = stages.published(
             weights, golden, configuration=configuration, dataset=dataset
         )
-    print(f"largest difference over all points: {difference:.3g} mm")
+    if difference is not None:
+        print(f"largest difference over all points: {difference:.3g} mm")
+        return
+    print(
+        f"{weights}: all weights of a published PhysGNN, read as configuration "
+        f"{configuration} of dataset {dataset}; its output on the bundled brain is "
+        "finite\n"
+        "not checked: whether they are of that configuration and dataset (all twelve "
+        "have the same shapes), and whether the output is the published one; both take "
+        "--golden"
+    )
 
 
 def demo(
@@ -139,9 +153,13 @@ def bundle(
             "package.",
         ),
     ] = None,
+    family: Annotated[
+        bool,
+        typer.Option("--family", help="Make the family run that adapt takes, instead."),
+    ] = False,
 ) -> None:
-    """Make the model that comes with the package; call it again to resume."""
-    print(stages.bundle(folder, out, show=progress, log=say))
+    """Make a model that comes with the package; call it again to resume."""
+    print(stages.bundle(folder, out, family=family, show=progress, log=say))
 
 
 def selftest() -> None:

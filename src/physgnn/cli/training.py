@@ -28,15 +28,16 @@ def train(
     model: Annotated[
         str | None,
         typer.Option(
-            help="Train this model: lifted or physgnn (the default); or fit one that "
-            "has no steps: reduced, galerkin, pod-network, extra-trees, mlp, "
-            "interpolation, linear, finite-element, zero; or one of your own, as "
-            "module:Class."
+            help="Train this model, lifted by default: one of "
+            f"{', '.join(choices.names('ModelName'))}; or one of your own, as "
+            "module:Class. What has no steps of training is fitted."
         ),
     ] = None,
     configuration: Annotated[
         int | None,
-        typer.Option(help="Take this configuration of the published network, 1 to 12."),
+        typer.Option(
+            help="Train the published network, PhysGNN, in this configuration, 1 to 12."
+        ),
     ] = None,
     split: Annotated[
         choices.SplitName | None,

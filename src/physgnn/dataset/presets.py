@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from physgnn import choices
 from physgnn.dataset.load_rules import Paths
+from physgnn.dataset.membranes import Membranes
 from physgnn.errors import InputError
 from physgnn.geometry import point_sets
 from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
@@ -45,6 +45,8 @@ class Preset:
         As in `physgnn.mechanics.SolverOptions`.
     removed : int or None
         Region taken out before all else; its walls are then outer surface.
+    membranes : Membranes
+        How falx and tentorium act.
     """
 
     materials: Mapping[int, Material]
@@ -55,6 +57,7 @@ class Preset:
     has_forces: bool = True
     element: str = DEFAULT_ELEMENT
     removed: int | None = None
+    membranes: Membranes = field(default_factory=Membranes)
 
     def on(self, mesh: TetMesh) -> tuple[TetMesh, list[LoadPath]]:
         """Return the mesh to be solved on, with its point sets, and the load paths.
@@ -75,8 +78,10 @@ class Preset:
             for name, rule in rules.items()
             if name != "loaded" or rule is not None or self.has_forces
         }
-        mesh = mesh.with_point_sets(**sets)
-        return mesh, self.paths(mesh, sets.get("loaded", np.empty(0, dtype=np.int64)))
+        mesh = self.membranes.holding(mesh.with_point_sets(**sets))
+        none = np.empty(0, dtype=np.int64)
+        loaded = mesh.point_set("loaded") if "loaded" in sets else none
+        return mesh, self.membranes.on(mesh, self.paths(mesh, loaded))
 
 
 BRAIN_AND_TUMOUR: Mapping[int, Material] = {
@@ -87,13 +92,13 @@ BRAIN_AND_TUMOUR: Mapping[int, Material] = {
 PUBLISHED_FIXED = HalfSpace((20.0, 0.0), (80.0, 90.0, 120.0), "<", 265.0)
 
 PRESETS: Mapping[str, Preset] = {
-    choices.PresetName.PAPER_1: Preset(
+    "paper-1": Preset(
         BRAIN_AND_TUMOUR,
         partial(single_node_paths, force_n=1.35, n_levels=30),
         fixed=PUBLISHED_FIXED,
         loaded=HalfSpace((15.0, 20.0), (80.0, 110.0, 130.0), ">", 275.5),
     ),
-    choices.PresetName.PAPER_2: Preset(
+    "paper-2": Preset(
         BRAIN_AND_TUMOUR,
         partial(all_node_paths, total_force_n=20.0, n_levels=30, n_paths=165),
         fixed=PUBLISHED_FIXED,
@@ -101,7 +106,7 @@ PRESETS: Mapping[str, Preset] = {
     ),
     # A craniotomy over the tumour of the bundled MNI152 case; skull over the rest. The
     # smallest patches are one node.
-    choices.PresetName.DEMO: Preset(
+    "demo": Preset(
         BRAIN_AND_TUMOUR,
         partial(
             patch_load_paths,
@@ -116,7 +121,7 @@ PRESETS: Mapping[str, Preset] = {
         loaded=Nearest((39.7, 8.8, 62.5), 60),
     ),
     # Loads as strong as the second published set's, on whatever the mesh lays open.
-    choices.PresetName.FAMILY: Preset(
+    "family": Preset(
         BRAIN_AND_TUMOUR,
         partial(traction_paths, traction_pa=2200.0, n_levels=10, n_paths=6),
     ),

@@ -18,6 +18,7 @@ from physgnn.evaluation.measure.coverage import (
     measure_bars,
     write_bars,
 )
+from physgnn.evaluation.measure.gentle_loads import find_gentle_loads
 from physgnn.evaluation.measure.held_out import HeldOut, check_unseen
 from physgnn.evaluation.measure.measuring import evaluate
 from physgnn.evaluation.measure.result import Report
@@ -96,6 +97,11 @@ def evaluate_runs(
     progress : callable, optional
         Called with (done, total, text) after every sample.
 
+    Returns
+    -------
+    Report
+        Errors of each row of the table, mm, and its seconds.
+
     Raises
     ------
     InputError
@@ -124,7 +130,20 @@ def evaluate_runs(
 def evaluate_run(
     run: str | Path, store_path: str | Path, split: str | Split = "path", **options: Any
 ) -> Report:
-    """Evaluate one run; as `evaluate_runs` of it alone."""
+    """Evaluate one run; as `evaluate_runs` of it alone.
+
+    Parameters
+    ----------
+    run : path
+        Folder of a trained model.
+    store_path, split, **options
+        See `evaluate_runs`.
+
+    Returns
+    -------
+    Report
+        Errors of each row of the table, mm, and its seconds.
+    """
     return evaluate_runs([run], store_path, split, **options)
 
 
@@ -156,6 +175,7 @@ def _facts(
         "time": time_facts(store, solver_seconds, model_seconds),
         "provenance": provenance_facts(store, checkpoint, command),
         "solver_seconds": solver_seconds,
+        "gentle_loads": find_gentle_loads(store, held_out.test).to_json(),
     }
 
 
@@ -166,7 +186,21 @@ def write_evaluation(
     folder: Path,
     bars: Sequence[BarSample] = (),
 ) -> None:
-    """Write metrics.json, error-bars.json, figures/ and report.html into a folder."""
+    """Write metrics.json, error-bars.json, figures/ and report.html into a folder.
+
+    Parameters
+    ----------
+    report : Report
+        What was measured.
+    store : Store
+        The dataset that it was measured on.
+    predictor : Predictor
+        Of the run that the report is about; it draws the scenes.
+    folder : path
+        Where the files go; made if it is not there.
+    bars : sequence of BarSample
+        Errors and their bounds; without any, there is no figure of them.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     files = EvaluationFolder(folder)
     report.write(files.metrics)

@@ -5,10 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from physgnn.dataset.storage.store import Store
-from physgnn.evaluation.measure.baselines import QUICK, baseline_rows
-from physgnn.evaluation.measure.held_out import HeldOut
-from physgnn.evaluation.measure.measuring import evaluate
 from physgnn.evaluation.measure.result import Report
 from physgnn.evaluation.report.formats import (
     duration,
@@ -17,19 +13,14 @@ from physgnn.evaluation.report.formats import (
     percent,
     with_spread,
 )
+from physgnn.evaluation.report.page import report_html
 from physgnn.evaluation.report.published import extremes_table, protocol_table
 from physgnn.evaluation.report.tables import (
     accuracy_table,
+    gentle_table,
     level_table,
     tolerance_table,
 )
-
-
-@pytest.fixture(scope="module")
-def report(store: Store) -> Report:
-    samples = store.samples()
-    held_out = HeldOut(store, "path", samples, samples)
-    return evaluate(baseline_rows(QUICK, held_out), held_out)
 
 
 @pytest.mark.parametrize(
@@ -137,3 +128,19 @@ def test_a_tolerance_has_a_table_of_its_own(report: Report) -> None:
     share = np.mean(np.array(largest) <= kept.tolerance_mm)
     assert row[2] == percent(float(share))
     assert row[-1] == f"{len(largest)} no error estimate"
+
+
+def test_gentle_loads_have_a_table_of_their_own(report: Report) -> None:
+    assert gentle_table(report) is None  # of an evaluation that did not look for them
+    linear = report.model("linear")
+    first, *_ = linear.samples
+    record = {"samples": [[first.path, first.level]], "n_samples": 9, "gentlest_n": 0.1}
+    table = gentle_table(report.with_facts(gentle_loads=record))
+    assert table is not None
+    rows = {row[0]: row for row in table.rows}
+    assert float(rows["Linear solution"][1]) == pytest.approx(first.mean, rel=0.01)
+    assert "1 of 9 samples" in table.note
+    none = {"samples": [], "n_samples": 9, "gentlest_n": 0.67}
+    gentle = report.with_facts(gentle_loads=none)
+    assert gentle_table(gentle) is None
+    assert "the gentlest here has 0.67 N" in report_html(gentle, ())

@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 
 from meshes import block_mesh
+from physgnn.bundled import BUNDLED_FAMILY
+from physgnn.config import read_preset
 from physgnn.dataset import Preset, Store
 from physgnn.dataset.splits.meshes import split_meshes
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io import write_mesh
+from physgnn.learning.models import build_model
 from physgnn.learning.runs.checkpoint import read_record
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
@@ -21,12 +25,24 @@ from physgnn.prediction import PredictionStatus, Predictor
 from physgnn.prediction.error_bounds.calibration import Calibration
 from physgnn.stages.datasets.simulation import simulate_mesh
 from physgnn.stages.networks.training import train_run
-from physgnn.stages.patient.adaptation import adapt_run
+from physgnn.stages.patient.adaptation import adapt, adapt_run, family_run
 
 PRESET = Preset(
     {0: NeoHookean(3000.0, 0.4), 1: NeoHookean(7500.0, 0.4)},
     partial(traction_paths, traction_pa=400.0, n_levels=3, n_paths=3),
 )
+LOADS = """
+[materials.brain]
+youngs_modulus_pa = 3000
+poissons_ratio = 0.4
+[materials.tumour]
+youngs_modulus_pa = 7500
+poissons_ratio = 0.4
+[loads]
+total_force_n = 0.04
+paths = 3
+levels = 3
+"""
 CONFIG = TrainingConfig(
     model="lifted",
     options={"anchors": 2, "k_hops": 1, "width": 8, "layers": 1, "pod_modes": 0},
@@ -98,6 +114,38 @@ def test_a_network_of_one_patient_has_no_bounds_for_another(
     made = adapt_run(tmp_path / "own", patient(1.5), PRESET, tmp_path / "new")
     assert made.coverage is None
     assert not RunFolder(tmp_path / "new").calibration.exists()
+
+
+@pytest.mark.parametrize("name", [None, "bundled-family"])
+def test_the_bundled_family_serves_a_patient_on_day_one(
+    name: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_mesh(tmp_path / "case.vtu", patient(1.5, n=4))
+    (tmp_path / "loads.toml").write_text(LOADS)
+    made = adapt(name, "case.vtu", "run", loads="loads.toml")
+    assert made.coverage is not None
+    predictor = Predictor.load("run")
+    preset = read_preset("loads.toml")
+    store, _ = simulate_mesh(predictor.body.mesh, preset, tmp_path / "truth.zarr")
+    linear = build_model("linear", store.body)
+    errors = []
+    for path, level in store.samples():
+        case, truth = store.load_case(path, level), store.displacement(path)[level]
+        found = (linear.predict(case), predictor(case).displacement)
+        errors.append([np.linalg.norm(u - truth, axis=1).mean() for u in found])
+    of_linear, of_family = np.mean(errors, axis=0)
+    assert of_family < 0.3 * of_linear
+
+
+def test_a_folder_of_the_family_s_name_is_taken_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert family_run("bundled-family") == BUNDLED_FAMILY
+    (tmp_path / "bundled-family").mkdir()
+    assert family_run("bundled-family") == Path("bundled-family")
+    assert family_run("run") == Path("run")
 
 
 def test_training_goes_on_from_the_family(family: Path, tmp_path: Path) -> None:

@@ -9,9 +9,9 @@ import numpy as np
 from physgnn.evaluation.registration_page.case import RegisteredCase
 from physgnn.evaluation.registration_page.figures import draw_registration
 from physgnn.evaluation.registration_page.places import MeasuredPlace
-from physgnn.evaluation.report.figures import Picture
 from physgnn.evaluation.report.formats import duration, mm, percent
 from physgnn.evaluation.report.page import Parts, environment
+from physgnn.evaluation.report.panels import Picture
 from physgnn.evaluation.report.tables import Table
 from physgnn.io.integrity.atomic import write_whole
 
@@ -50,6 +50,8 @@ def registration_html(case: RegisteredCase, pictures: Sequence[Picture]) -> str:
             key_numbers=_key_numbers(case),
             sections=_sections(case, {one.name: one for one in pictures}),
             footer=FOOTER,
+            wins=case.prediction.status.usable,
+            warning=None,
             alert=not case.prediction.status.usable,
             colours={
                 place.name: FAR if place.after_mm > far else NEAR

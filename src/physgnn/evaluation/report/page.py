@@ -9,12 +9,15 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from physgnn.evaluation.measure.against_linear import beats_linear
+from physgnn.evaluation.measure.gentle_loads import GENTLE_N
 from physgnn.evaluation.measure.result import ModelErrors, Report
 from physgnn.evaluation.report import published, tables
-from physgnn.evaluation.report.figures import Picture
 from physgnn.evaluation.report.formats import duration, mm, percent
+from physgnn.evaluation.report.panels import Picture
 from physgnn.evaluation.report.style import colour, label
 from physgnn.evaluation.report.tables import Table, group_label
+from physgnn.evaluation.report.verdict import linear_warning
 from physgnn.io.integrity.atomic import write_whole
 from physgnn.prediction.prediction import PredictionStatus
 
@@ -72,6 +75,8 @@ def report_html(report: Report, pictures: Iterable[Picture]) -> str:
         .render(
             title=f"{tested} {SPLIT_TITLE.get(report.split, 'on held-out samples')}",
             tested=tested,
+            wins=beats_linear(report) is True,
+            warning=linear_warning(report),
             key_numbers=_key_numbers(report),
             sections=_sections(page),
             footer=FOOTER,
@@ -145,8 +150,23 @@ def _accuracy(page: _Page) -> Parts:
         *page.table(tables.accuracy_table(page.report)),
         *page.pictured("error_over_level"),
         *page.table(tables.level_table(page.report)),
+        *page.table(tables.gentle_table(page.report)),
+        *_no_gentle_loads(page.report),
         *page.pictured("error_histogram"),
     ]
+
+
+def _no_gentle_loads(report: Report) -> Parts:
+    """Say so if no sample tells how large errors are at the forces of surgery."""
+    loads = tables.gentle_loads(report)
+    if loads is None or loads.samples:
+        return []
+    text = (
+        f"No tested load is as gentle as seven in ten of those measured in surgery, at "
+        f"most {GENTLE_N:g} N (Gan et al. 2015): the gentlest here has "
+        f"{loads.gentlest_n:.3g} N in all."
+    )
+    return [("text", text)]
 
 
 def _error_bounds(page: _Page) -> Parts:

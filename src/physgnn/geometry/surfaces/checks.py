@@ -52,8 +52,19 @@ def check_surface(surface: Surface, name: str) -> tuple[Surface, list[str]]:
     return surface, notes
 
 
-def check_nested(brain: Surface, tumours: Sequence[Surface]) -> None:
+def check_nested(
+    brain: Surface, tumours: Sequence[Surface], names: Sequence[str] = ()
+) -> None:
     """Check that tumours lie wholly inside the brain and apart from each other.
+
+    Parameters
+    ----------
+    brain : Surface
+        As `check_surface` returns it, mm.
+    tumours : sequence of Surface
+        Each as `check_surface` returns it, mm.
+    names : sequence of str, optional
+        What messages call the surfaces inside the brain; by default tumours.
 
     Raises
     ------
@@ -62,7 +73,8 @@ def check_nested(brain: Surface, tumours: Sequence[Surface]) -> None:
         inside another.
     """
     single = len(tumours) == 1
-    names = ["tumour" if single else f"tumour {i + 1}" for i in range(len(tumours))]
+    if not names:
+        names = ["tumour" if single else f"tumour {i + 1}" for i in range(len(tumours))]
     for i, tumour in enumerate(tumours):
         _check_apart(brain, tumour, "the brain's surface", names[i])
         if not contains(brain, tumour.points[0]):
@@ -86,6 +98,18 @@ def contains(surface: Surface, point: FloatArray) -> bool:
 
     The solid angle all faces subtend is 4π inside and 0 outside (van Oosterom and
     Strackee, IEEE Trans. Biomed. Eng. 30, 1983).
+
+    Parameters
+    ----------
+    surface : Surface
+        Closed triangles, counter-clockwise seen from outside; mm.
+    point : (3,) array
+        mm.
+
+    Returns
+    -------
+    bool
+        True inside.
     """
     a, b, c = np.moveaxis((surface.points - point)[surface.faces], 1, 0)
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))

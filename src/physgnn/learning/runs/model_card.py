@@ -8,9 +8,15 @@ from physgnn.io.integrity.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.record import processor_minutes, read_json
 
-LIMITS = (
+OF_ONE_BODY = (
     "It knows one mesh, its materials and its fixed points; another brain, or another "
-    "mesh of this one, needs training anew.",
+    "mesh of this one, needs training anew."
+)
+OF_A_FAMILY = (
+    "It was trained on a family of patients: `physgnn adapt` makes it ready for "
+    "another."
+)
+LIMITS = (
     "Loads unlike those trained on (other nodes, stronger forces) give answers without "
     "warranty; every prediction says whether its load lies outside.",
     "The truth it was trained on is itself a finite-element model with assumed tissue "
@@ -38,6 +44,7 @@ def card(record: Mapping[str, Any], errors: str | None = None) -> str:
     """Return the card of a run's record as Markdown."""
     config, data, split = record["config"], record["data"], record["split"]
     training = record["training"]
+    whose = OF_A_FAMILY if len(data.get("meshes", ())) > 1 else OF_ONE_BODY
     sections = {
         "Data": f"`{data['path']}`, sha256 `{data['hash']}`; mesh `"
         f"{record['mesh_hash']}`.",
@@ -56,7 +63,7 @@ def card(record: Mapping[str, Any], errors: str | None = None) -> str:
             }
         ),
         "Errors": errors or "Not evaluated yet: `physgnn evaluate` fills this in.",
-        "Limits": "\n".join(f"- {line}" for line in LIMITS),
+        "Limits": "\n".join(f"- {line}" for line in (whose, *LIMITS)),
     }
     options = ", ".join(f"{k} {v}" for k, v in config["options"].items())
     head = (

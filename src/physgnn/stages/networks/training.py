@@ -50,8 +50,11 @@ def train(
     config : path, optional
         TOML with training settings, see `physgnn.config.training`; those given here
         win over the file's.
-    model, loss, batch_size, learning_rate, max_epochs, max_minutes, memory_mb, \
-precision, seed
+    model : str, optional
+        A row of ``MODELS``; by default the lifted network, or the published one if one
+        of its options is given. To resume, by default that of the run.
+    loss, batch_size, learning_rate, max_epochs, max_minutes, memory_mb, precision, \
+seed
         Fields of `physgnn.learning.training.config.TrainingConfig`.
     configuration : int, optional
         1 to 12, of the published network.
@@ -82,6 +85,7 @@ precision, seed
     options = {} if configuration is None else {"configuration": configuration}
     settings = read_training(
         config,
+        **_model_of_run(Path(out)) if resume else {},
         model=model,
         loss=loss,
         batch_size=batch_size,
@@ -103,6 +107,17 @@ precision, seed
         machine=Machine(device, devices, num_nodes),
         resume=resume,
     )
+
+
+def _model_of_run(run: Path) -> dict[str, Any]:
+    """Return what a run to resume trains if nothing else is said: its own model."""
+    from physgnn.learning.runs.folder import RunFolder
+    from physgnn.learning.runs.record import read_json
+
+    record = RunFolder(run).record
+    if not record.is_file():
+        return {}  # training says what is missing
+    return {"default_model": read_json(record)["config"]["model"]}
 
 
 def train_run(

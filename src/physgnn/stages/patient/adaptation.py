@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from physgnn.bundled import BUNDLED_FAMILY, FAMILY_NAME
 from physgnn.dataset.presets import Preset, find_preset
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
@@ -20,9 +21,9 @@ class Adapted:
     Attributes
     ----------
     n_points : int
-        Of the new mesh.
+        Points of the new mesh.
     seconds : float
-        To find the equilibria to expand about and write the run.
+        Time that finding the equilibria to expand about and writing the run took, s.
     coverage : float or None
         What the error bounds promise; None if the run has none for new patients.
     """
@@ -33,7 +34,7 @@ class Adapted:
 
 
 def adapt(
-    run: str | Path,
+    run: str | Path | None,
     case: str | Path,
     out: str | Path,
     *,
@@ -44,8 +45,10 @@ def adapt(
 
     Parameters
     ----------
-    run : path
-        Folder of a lifted network trained with pod_modes = 0, best on several bodies.
+    run : path or None
+        Folder of a lifted network trained with pod_modes = 0, best on several bodies;
+        None, or ``bundled-family`` where there is no such folder, takes the one that
+        comes with the package.
     case : path
         The new patient's mesh, VTU.
     out : path
@@ -55,13 +58,26 @@ def adapt(
     loads : path, optional
         TOML with point sets, materials and loads: see `physgnn.config.simulation`.
 
+    Returns
+    -------
+    Adapted
+        The size of the mesh, the seconds it took, and what the bounds promise.
+
     Raises
     ------
     InputError
         If a file cannot be used, the network belongs to its mesh, the loads do not fit
         the mesh, or the folder holds a run already.
     """
-    return adapt_run(run, read_mesh(case), chosen_preset(preset, loads), out)
+    chosen = chosen_preset(preset, loads)
+    return adapt_run(family_run(run), read_mesh(case), chosen, out)
+
+
+def family_run(run: str | Path | None) -> Path:
+    """Return the folder of a run to adapt, by default the bundled one."""
+    if run is None or (str(run) == FAMILY_NAME and not Path(run).exists()):
+        return BUNDLED_FAMILY
+    return Path(run)
 
 
 def adapt_run(

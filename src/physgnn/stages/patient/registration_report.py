@@ -1,5 +1,7 @@
 """From a registration to the page that shows it."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,7 +31,7 @@ def page_in(folder: str | Path) -> Path:
 def registered_case(
     mesh: TetMesh,
     found: "Registration",
-    measured: PointPairs | SurfacePoints,
+    measured: Sequence[PointPairs | SurfacePoints],
     noise_mm: float,
     image: Image | None,
 ) -> "RegisteredCase":
@@ -37,6 +39,18 @@ def registered_case(
     from physgnn.evaluation.registration_page.case import RegisteredCase
     from physgnn.evaluation.registration_page.places import measured_places
 
+    places = measured_places(mesh, found.prediction.displacement, measured)
+    # of a large surface some points were used, which have no names
+    if len(places) == len(found.misfits):
+        places = tuple(
+            replace(
+                place,
+                name=one.label,
+                after_mm=one.distance_mm,
+                note="outlier" if one.is_outlier else "",
+            )
+            for place, one in zip(places, found.misfits, strict=True)
+        )
     return RegisteredCase(
         mesh=mesh,
         prediction=found.prediction,
@@ -44,7 +58,7 @@ def registered_case(
         covariance_mm2=found.covariance_mm2,
         misfit_mm=found.misfit_mm,
         held_out_mm=found.held_out_mm,
-        places=measured_places(mesh, found.prediction.displacement, measured),
+        places=places,
         noise_mm=noise_mm,
         image=image,
         facts={"made by": f"physgnn {version('physgnn')}"},

@@ -12,6 +12,7 @@ def view(
     *,
     port: int = DEFAULT_PORT,
     image: str | Path | None = None,
+    affine: str | None = None,
     igtl: int | None = None,
     igtl_surfaces: bool = False,
     log: Log = print,
@@ -26,6 +27,8 @@ def view(
         On 127.0.0.1; 0 takes a free one.
     image : path, optional
         Image for sections, or "mni152".
+    affine : {"sform", "qform"}, optional
+        Which of two places in the image's header is meant, where they disagree.
     igtl : int, optional
         Port to stream the deformation from by OpenIGTLink; 0 takes a free one.
     igtl_surfaces : bool
@@ -40,4 +43,12 @@ def view(
     """
     from physgnn.serving import serve
 
-    serve(path, port=port, image=image, igtl=igtl, igtl_surfaces=igtl_surfaces, log=log)
+    serve(
+        path,
+        port=port,
+        image=image,
+        affine=affine,
+        igtl=igtl,
+        igtl_surfaces=igtl_surfaces,
+        log=log,
+    )
