@@ -34,9 +34,10 @@ def mesh(
             help="Which label is which tissue: the name of a convention (mask; "
             "segment; freesurfer, synthseg, neuromorphometrics, harvard-oxford, or "
             "atlas where all is brain; brats, or exactly one of brats-2013, "
-            "brats-2020, brats-2023, brats-post, brats-ped, brats-men-rt and msd), a list such as "
-            "brain=1,tumour=4, or a name and what differs, freesurfer,tumour=99. Names "
-            "of segments, or of groups of cells, may stand for numbers."
+            "brats-2020, brats-2023, brats-post, brats-ped, brats-men-rt and msd), a "
+            "list such as brain=1,tumour=4, or a name and what differs, "
+            "freesurfer,tumour=99. Names of segments, or of groups of cells, may stand "
+            "for numbers."
         ),
     ] = "mask",
     brain_mask: Annotated[
