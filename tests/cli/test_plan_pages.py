@@ -30,8 +30,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     # a dent: what moves as a whole is taken for an offset of the navigation
     depth = 6.0 * np.exp(-((TOP - [40.0, 40.0, 80.0]) ** 2).sum(1) / (2 * 25.0**2))
     down = TOP - depth[:, None] * [0.0, 0.0, 1.0]
-    np.savetxt("m.csv", np.hstack([TOP, down]), delimiter=",")
-    register("case.vtu", "shift.vtu", points="m.csv")
+    np.savetxt("measured.csv", np.hstack([TOP, down]), delimiter=",")
+    register("case.vtu", "shift.vtu", points="measured.csv")
     for name, points in (("before", TOP), ("after", down)):
         controls = [
             {"label": str(i), "position": point}
