@@ -184,3 +184,15 @@ def test_a_surface_in_other_units_is_not_ok(
     words = ("--surface", tmp_path / "s.csv", "-o", tmp_path / "out.vtu")
     run("register", tmp_path / "case.vtu", *words, code=3)
     assert " ok: " not in capsys.readouterr().out
+
+
+def test_register_takes_a_folder_for_its_page(tmp_path: Path) -> None:
+    body = block_mesh(4, side=80.0)
+    write_mesh(tmp_path / "case.vtu", body)
+    top = body.points[body.point_set("loaded")]
+    depth = 6.0 * np.exp(-((top - [40.0, 40.0, 80.0]) ** 2).sum(1) / (2 * 25.0**2))
+    dent = depth[:, None] * [0.0, 0.0, 1.0]
+    np.savetxt(tmp_path / "m.csv", np.hstack([top, top - dent]), delimiter=",")
+    words = ("--points", tmp_path / "m.csv", "--report", tmp_path / "page")
+    run("register", tmp_path / "case.vtu", *words, "-o", tmp_path / "u.vtu")
+    assert (tmp_path / "page" / "report.html").is_file()

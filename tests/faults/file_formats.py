@@ -32,12 +32,15 @@ from physgnn.io.medical.images.formats import read_image, read_segmentation, wri
 from physgnn.io.medical.markups import read_point_pairs
 from physgnn.io.medical.measured_surface import read_surface_points
 from physgnn.io.meshes.tetrahedra import read_tetrahedra
+from physgnn.io.plans.formats import read_plan, write_plan
 from physgnn.io.simulation import Simulation, solution_of
+from physgnn.io.vtk.error_fields import read_error_fields
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
+from plan_files import WRITERS as PLANS
 
 MESH = block_mesh(2)
 U = np.random.default_rng(0).normal(size=(MESH.n_points, 3))
@@ -185,6 +188,13 @@ def _prediction(path: Path) -> None:
     write_prediction(path, MESH, {"displacement_mm": U})
 
 
+def _errors(path: Path) -> None:
+    six = np.tile([1.0, 2.0, 3.0, 0.1, 0.2, 0.3], (MESH.n_points, 1))
+    deviation = np.full(MESH.n_points, np.sqrt(6.0))
+    fields = {"displacement_mm": U, "deviation_mm": deviation, "covariance_mm2": six}
+    write_prediction(path, MESH, fields)
+
+
 def _arrays(path: Path) -> None:
     solution = solution_of(np.stack([U, 2 * U]), FACTORS)
     fixed = MESH.point_set("fixed")
@@ -240,6 +250,13 @@ def _read_log(path: Path) -> Any:
     return read_febio_log(path, load, times=FACTORS, node_ids=np.array([1, 2]))
 
 
+def _read_plan(path: Path) -> Any:
+    """Read, write with the same points, and read again."""
+    plan = read_plan(path)
+    write_plan(path.with_name(f"again-{path.name}"), plan)
+    return plan.points, plan.as_bytes()
+
+
 def _read_arrays(path: Path) -> Any:
     return [simulation.read_solution() for simulation in read_arrays(path)]
 
@@ -272,6 +289,7 @@ FORMATS: Mapping[str, FileFormat] = {
         FileFormat("ball.vtp", SPHERE.save, read_surface),
         FileFormat("case.vtu", _prediction, read_mesh),
         FileFormat("moved.vtu", _prediction, read_displacement),
+        FileFormat("errors.vtu", _errors, read_error_fields),
         FileFormat("ascii.vtu", _grid, read_mesh),
         FileFormat("binary.vtk", _grid, read_vtk, isolated=True),
         FileFormat("ascii.vtk", _grid, read_vtk, isolated=True),
@@ -290,6 +308,7 @@ FORMATS: Mapping[str, FileFormat] = {
         FileFormat("pairs.tag", _tag, read_point_pairs),
         FileFormat("points.fcsv", _fcsv, read_surface_points),
         FileFormat("pairs.mrk.json", _mrk, read_point_pairs),
+        *(FileFormat(f"plan-{name}", make, _read_plan) for name, make in PLANS.items()),
         FileFormat("load.json", _load_case, lambda path: read_load_case(path, MESH)),
         FileFormat("loads.toml", _text(TOML), _read_toml),
     )

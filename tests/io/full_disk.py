@@ -7,6 +7,7 @@ process's: writing beyond it is the error EFBIG, at the same place in the writer
 full disk's ENOSPC.
 """
 
+import io
 import json
 import resource
 import signal
@@ -31,6 +32,8 @@ from physgnn.io.integrity.atomic import whole_file, whole_folder, write_whole
 from physgnn.io.medical.images.formats import write_image
 from physgnn.io.medical.images.nifti import save_nifti
 from physgnn.io.medical.transforms import save_transform
+from physgnn.io.plans.formats import write_plan
+from physgnn.io.plans.plan import Plan
 from physgnn.io.simulation import Simulation, solution_of
 from physgnn.io.vtk.prediction_file import write_deformed
 from physgnn.io.vtk.series import write_series
@@ -63,6 +66,21 @@ def transform(path: Path) -> None:
     field = sitk.GetImageFromArray(RNG.normal(size=(20, 20, 20, 3)), isVector=True)
     shift = sitk.DisplacementFieldTransform(field)
     save_transform(path, shift, n_vectors=20**3)
+
+
+def tracts(path: Path) -> None:
+    from nibabel.streamlines import Tractogram, TrkFile
+
+    lines = [RNG.normal(size=(900, 3)).astype(np.float32) for _ in range(9)]
+    held = io.BytesIO()
+    TrkFile(Tractogram(lines, affine_to_rasmm=np.eye(4))).save(held)
+    write_plan(path, Plan(np.concatenate(lines), lambda _: held.getvalue()))
+
+
+def points(path: Path) -> None:
+    places = RNG.normal(size=(3000, 3))
+    table = "\n".join(",".join(map(str, row)) for row in places)
+    write_plan(path, Plan(places, lambda _: table.encode()))
 
 
 def picture(path: Path) -> None:
@@ -162,6 +180,8 @@ FILES = {
     "labels.nrrd": lambda path: write_image(path, LABELS),
     "labels.mha": lambda path: write_image(path, LABELS),
     "labels.mgz": lambda path: write_image(path, LABELS),
+    "plan.trk": tracts,
+    "plan.csv": points,
     "transform.h5": transform,
     "picture.png": picture,
     "weights.safetensors": weights,

@@ -16,6 +16,7 @@ from physgnn.cli import (
     segmenting,
     simulation,
     training,
+    uncertainty,
     viewing,
 )
 from physgnn.errors import InputError
@@ -39,6 +40,7 @@ MODULES = (
     patients,
     images,
     registrations,
+    uncertainty,
     viewing,
 )
 """Every public function that one of these defines is a command, in this order."""

@@ -15,13 +15,22 @@ def warp(
         Path,
         typer.Argument(
             help="The image at rest: NIfTI, NRRD, MetaImage, FreeSurfer's, or a folder "
-            "of DICOM."
+            "of DICOM. Or what was planned on it: points and curves (.mrk.json, .fcsv, "
+            ".tag, .csv), a model (.stl, .vtp, .ply, .obj), tracts (.trk, .tck)."
         ),
     ],
     prediction: Annotated[
         Path, typer.Argument(help="A displacement written by predict or register, VTU.")
     ],
     out: OutFile,
+    back: Annotated[
+        bool,
+        typer.Option(
+            "--back",
+            help="Take what is of the deformed state, such as a postoperative scan, "
+            "back to the rest state.",
+        ),
+    ] = False,
     labels: Annotated[
         bool, typer.Option("--labels", help="Treat the image as a label map.")
     ] = False,
@@ -52,14 +61,15 @@ def warp(
     affine: AffineOption = None,
     series: SeriesOption = None,
 ) -> None:
-    """Deform an image as a prediction says."""
-    from physgnn.io.medical.images.formats import named_like
+    """Deform an image, or what was planned on it, as a prediction says."""
+    from physgnn.stages.patient.warping import result_name
 
     with working("warping"):
         stages.warp(
             image,
             prediction,
             out,
+            back=back,
             labels=labels,
             interpolation=interpolation,
             field=field or (),
@@ -69,4 +79,4 @@ def warp(
             series=series,
             log=say,
         )
-    print(named_like(out, image))
+    print(result_name(out, image))

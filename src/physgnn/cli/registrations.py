@@ -101,6 +101,14 @@ def register(
             "CSV file."
         ),
     ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write a page about it into this folder, report.html: before and "
+            "after, of the image of --image where one is given; uncertainty; misfit by "
+            "point."
+        ),
+    ] = None,
 ) -> None:
     """Find the whole displacement from everything that was measured.
 
@@ -129,6 +137,7 @@ def register(
             image=image,
             affine=affine,
             misfits=misfits,
+            report=report,
             log=say,
         )
     print(f"{out}: {_summary(found)}")

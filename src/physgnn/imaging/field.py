@@ -80,9 +80,9 @@ def forward_field(
     InputError
         If the displacement does not fit the mesh, or mesh and grid do not meet.
     """
-    u = _checked(mesh, displacement)
+    u = checked_displacement(mesh, displacement)
     vectors, cell = rasterize(mesh.points, mesh.cells, u, grid)
-    return _extended(vectors, cell >= 0, grid, "forward", _fade(u, fade_mm))
+    return _extended(vectors, cell >= 0, grid, "forward", fade_length(u, fade_mm))
 
 
 def inverse_field(
@@ -110,9 +110,9 @@ def inverse_field(
     DisplacementField
         v at each voxel, mm RAS: what resampling an image takes.
     """
-    u = _checked(mesh, displacement)
+    u = checked_displacement(mesh, displacement)
     vectors, cell = rasterize(mesh.points + u, mesh.cells, -u, grid)
-    return _extended(vectors, cell >= 0, grid, "inverse", _fade(u, fade_mm))
+    return _extended(vectors, cell >= 0, grid, "inverse", fade_length(u, fade_mm))
 
 
 def grid_around(
@@ -201,7 +201,8 @@ def _extended(
     return DisplacementField(vectors, grid, inside, direction, fade_mm)
 
 
-def _checked(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
+def checked_displacement(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
+    """Return a displacement in double precision; InputError if it fits no mesh."""
     u = np.asarray(displacement, dtype=np.float64)
     if u.shape != mesh.points.shape or not np.isfinite(u).all():
         raise InputError(
@@ -211,7 +212,14 @@ def _checked(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
     return u
 
 
-def _fade(u: FloatArray, fade_mm: float | None) -> float:
+def fade_length(u: FloatArray, fade_mm: float | None = None) -> float:
+    """Return over how far a displacement fades outside of the brain, mm.
+
+    Raises
+    ------
+    InputError
+        If `fade_mm` is given and not > 0.
+    """
     if fade_mm is None:
         largest = float(np.linalg.norm(u, axis=1).max())
         return max(FADE_PER_DISPLACEMENT * largest, SHORTEST_FADE_MM)

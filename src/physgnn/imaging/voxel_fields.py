@@ -60,7 +60,7 @@ def _fill(index, cells, values, sign, field, cell):  # type: ignore[no-untyped-d
             index[cells[e, 2]] - p,
             index[cells[e, 3]] - p,
         )
-        if not _invert(a, b, c, M) * sign > 0.0:
+        if not invert(a, b, c, M) * sign > 0.0:
             continue
         for d in range(3):
             smallest = min(0.0, a[d], b[d], c[d]) + p[d]
@@ -70,13 +70,13 @@ def _fill(index, cells, values, sign, field, cell):  # type: ignore[no-untyped-d
         for i in range(low[0], high[0]):
             for j in range(low[1], high[1]):
                 for k in range(low[2], high[2]):
-                    if _weights(M, i - p[0], j - p[1], k - p[2], w):
+                    if weights_of(M, i - p[0], j - p[1], k - p[2], w):
                         cell[i, j, k] = e
-                        _interpolate(w, cells[e], values, field[i, j, k])
+                        interpolate(w, cells[e], values, field[i, j, k])
 
 
 @njit(cache=True, inline="always")
-def _invert(a, b, c, M):  # type: ignore[no-untyped-def]
+def invert(a, b, c, M):  # type: ignore[no-untyped-def]
     """Fill M with the inverse of the matrix of columns a, b, c; return its det."""
     M[0, 0], M[0, 1] = b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2]
     M[1, 0], M[1, 1] = c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2]
@@ -91,7 +91,7 @@ def _invert(a, b, c, M):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, inline="always")
-def _weights(M, x, y, z, w):  # type: ignore[no-untyped-def]
+def weights_of(M, x, y, z, w):  # type: ignore[no-untyped-def]
     """Fill the barycentric coordinates w; return whether the cell holds the point."""
     w[1] = M[0, 0] * x + M[0, 1] * y + M[0, 2] * z
     w[2] = M[1, 0] * x + M[1, 1] * y + M[1, 2] * z
@@ -101,7 +101,8 @@ def _weights(M, x, y, z, w):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, inline="always")
-def _interpolate(w, corners, values, result):  # type: ignore[no-untyped-def]
+def interpolate(w, corners, values, result):  # type: ignore[no-untyped-def]
+    """Fill the result with the corners' values, weighted by w."""
     for m in range(values.shape[1]):
         total = 0.0
         for n in range(4):

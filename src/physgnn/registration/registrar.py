@@ -44,6 +44,7 @@ from physgnn.registration.measurements.kinds import (
 )
 from physgnn.registration.measurements.observation import Measurement
 from physgnn.registration.misfits import Misfit, misfits_of
+from physgnn.registration.point_covariance import point_covariance
 from physgnn.registration.skull import SUPPORTS
 from physgnn.registration.tangent_response import TangentResponse
 
@@ -58,6 +59,8 @@ class Registration:
         Displacement, error estimate, status with its reasons, and time.
     deviation_mm : (n_points,) array
         Standard deviation of each point's displacement (root of the trace).
+    covariance_mm2 : (n_points, 3, 3) array
+        Of each point's error; its root trace is `deviation_mm`.
     forces : (n_points, 3) array
         The nodal forces that explain the measurement, N; not unique.
     misfit_mm : float
@@ -73,6 +76,7 @@ class Registration:
 
     prediction: Prediction
     deviation_mm: FloatArray
+    covariance_mm2: FloatArray
     forces: FloatArray
     misfit_mm: float
     held_out_mm: float
@@ -164,6 +168,10 @@ class Registrar:
         kinds = [one.kind for one in measurements]
         estimate = estimate_of(lengths, coverage, kinds, corrected=rigid_offset)
         verdict = self._verdict(search, estimate, measurements, offset, whole)
+        deviation = np.sqrt((lengths**2).mean(axis=0))
+        covariance = point_covariance(
+            fit.posterior.covariance, search.response, deviation
+        )
         seconds = time.perf_counter() - start
         kept = rows.spread((~fit.outliers).astype(float)) > 0
         root = np.sqrt(rows.spread(fit.weights))
@@ -171,7 +179,8 @@ class Registrar:
             prediction=Prediction(
                 search.u, estimate, verdict.status, seconds, reasons=verdict.reasons
             ),
-            deviation_mm=np.sqrt((lengths**2).mean(axis=0)),
+            deviation_mm=deviation,
+            covariance_mm2=covariance,
             forces=combined(self.modes.forces, search.w),
             misfit_mm=_rms(fit.misfit * rows.noise, kept, rows),
             held_out_mm=_rms(fit.posterior.held_out / root * rows.noise, kept, rows),

@@ -41,6 +41,11 @@ SPLIT_MEANING = {
     "training.",
 }
 
+FOOTER = (
+    "Displacements and errors in mm. The same numbers, every sample included, are in "
+    "metrics.json beside this file."
+)
+
 Parts = list[tuple[str, Any]]
 """What stands in a section: how templates/report.html shows it, and what it is."""
 
@@ -65,7 +70,7 @@ def report_html(report: Report, pictures: Iterable[Picture]) -> str:
     tested = label(report.models[-1].name)
     page = _Page(report, {picture.name: picture for picture in pictures})
     return (
-        _environment()
+        environment()
         .get_template("report.html")
         .render(
             title=f"{tested} {SPLIT_TITLE.get(report.split, 'on held-out samples')}",
@@ -74,14 +79,17 @@ def report_html(report: Report, pictures: Iterable[Picture]) -> str:
             warning=linear_warning(report),
             key_numbers=_key_numbers(report),
             sections=_sections(page),
+            footer=FOOTER,
+            alert=False,
             colours={group_label(s): colour(s[0].name) for s in report.groups},
         )
     )
 
 
 @cache
-def _environment() -> Environment:
-    environment = Environment(
+def environment() -> Environment:
+    """Return what renders the templates of pages."""
+    made = Environment(
         loader=PackageLoader("physgnn.evaluation.report"),
         autoescape=True,
         undefined=StrictUndefined,
@@ -89,8 +97,8 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["embedded"] = _embedded
-    return environment
+    made.filters["embedded"] = _embedded
+    return made
 
 
 def _embedded(file: Path) -> str:

@@ -138,7 +138,7 @@ def _read_csv(path: Path) -> list[list[MarkedPoint]]:
     text = read_text(path, names_in_latin1=True)
     rows = [row for row in csv.reader(text.splitlines()) if row]
     columns = PAIR_COLUMNS if rows and len(rows[0]) >= 6 else POINT_COLUMNS
-    if rows and not _is_number(rows[0][0]):
+    if rows and not is_number(rows[0][0]):
         header = [name.strip().lower() for name in rows[0]]
         wanted = (PAIR_COLUMNS, POINT_COLUMNS)
         columns = next((names for names in wanted if set(names) <= set(header)), [])
@@ -156,7 +156,7 @@ def _read_csv(path: Path) -> list[list[MarkedPoint]]:
 
 def _read_fcsv(path: Path) -> list[list[MarkedPoint]]:
     text = read_text(path, names_in_latin1=True)
-    system = re.search(r"^# CoordinateSystem = (\w+) *$", text, re.MULTILINE)
+    system = re.search(r"^# CoordinateSystem = (\w+)\s*$", text, re.MULTILINE)
     if system is None or system[1] not in FCSV_SYSTEMS:
         raise InputError(
             "no '# CoordinateSystem = LPS' or RAS: export it from 3D Slicer"
@@ -233,7 +233,8 @@ BOTH_ENDS = {
 """What is said of one list and of two, of formats that hold both ends side by side."""
 
 
-def _is_number(value: Any) -> bool:
+def is_number(value: Any) -> bool:
+    """Return whether a value is a number, or text that is one."""
     if isinstance(value, bool):
         return False
     try:
@@ -245,6 +246,6 @@ def _is_number(value: Any) -> bool:
 
 def _numbers(rows: list[list[Any]], width: int) -> FloatArray:
     for i, row in enumerate(rows):
-        if len(row) != width or not all(_is_number(value) for value in row):
+        if len(row) != width or not all(is_number(value) for value in row):
             raise InputError(f"point {i + 1} must be {width} numbers (got {row})")
     return np.array(rows, dtype=np.float64).reshape(-1, width)

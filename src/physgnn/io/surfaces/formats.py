@@ -66,11 +66,11 @@ def read_surface(path: str | Path) -> Surface:
     # what a surface must be is said without the file's name
     with reading(path, f"a surface, {path.suffix}"):
         surface = reader(path)
-        return Surface(points_to_ras(surface.points, _space(path)), surface.faces)
+        return Surface(points_to_ras(surface.points, space_of(path)), surface.faces)
 
 
-def _space(path: Path) -> str:
-    """Return the axes that points just read are in; RAS if a file does not say."""
+def space_of(path: Path) -> str:
+    """Return the axes that a surface's points are in; RAS if its file does not say."""
     if SURFACE_READERS.get(path.suffix.lower()) is read_mesh_faces:
         return "RAS"  # turned already
     with path.open("rb") as file:

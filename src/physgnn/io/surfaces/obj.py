@@ -28,7 +28,7 @@ def read_obj(path: Path) -> Surface:
                 case ["v", x, y, z, *_]:
                     points.append([float(x), float(y), float(z)])
                 case ["f", *corners]:
-                    triangles += _fan([_index(c, len(points)) for c in corners])
+                    triangles += _fan([point_index(c, len(points)) for c in corners])
     if not points or not triangles:
         raise InputError(
             f"{path}: expected OBJ, but it has no 'v' and 'f' lines: rename it or "
@@ -38,7 +38,7 @@ def read_obj(path: Path) -> Surface:
     return merge_points(np.array(points), faces.astype(np.int32))
 
 
-def _index(corner: str, n_points: int) -> int:
+def point_index(corner: str, n_points: int) -> int:
     """Return the 0-based point of a corner such as 7, 7/1, 7//2 or −1 (the last)."""
     number = int(corner.split("/")[0])
     if number == 0:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface, merge_points
 from physgnn.io.untrusted.numbers import whole_numbers
@@ -29,20 +30,36 @@ FACE_LISTS = ("vertex_indices", "vertex_index")
 Take = Callable[[str, int], tuple[Any, ...]]
 
 
-class _Column(NamedTuple):
+class Column(NamedTuple):
+    """A property: a number, or a list of numbers, in every row."""
+
     name: str
     code: str
     length_code: str | None  # of a list's length; None for a single number
 
 
-class _Element(NamedTuple):
+class Element(NamedTuple):
+    """A table of the file, such as its vertices."""
+
     name: str
     n_rows: int
-    columns: list[_Column]
+    columns: list[Column]
 
 
 def read_ply(path: Path) -> Surface:
     """Read a PLY surface; polygons become triangles, equal points one."""
+    points, triangles = read_polygons(path)
+    return merge_points(points, triangles.astype(np.int32))
+
+
+def read_polygons(path: Path) -> tuple[FloatArray, IntArray]:
+    """Return the vertices as they follow in the file, and polygons as triangles.
+
+    Raises
+    ------
+    InputError
+        If the file is cut off or damaged, or has no faces.
+    """
     header, end, body = read_bytes(path).partition(b"end_header")
     if not header.startswith(b"ply") or not end:
         raise InputError(
@@ -50,9 +67,9 @@ def read_ply(path: Path) -> Surface:
             "again"
         )
     try:
-        kind, elements = _parse_header(header.decode("latin-1"))
+        kind, elements = parse_header(header.decode("latin-1"))
         body = body.partition(b"\n")[2]
-        _check_rows(elements, len(body), is_text=kind == "ascii")
+        check_rows(elements, len(body), is_text=kind == "ascii")
         take = _from_text(body) if kind == "ascii" else _from_bytes(body, kind)
         tables = {element.name: list(_rows(element, take)) for element in elements}
         points = [[row[axis] for axis in "xyz"] for row in tables["vertex"]]
@@ -65,26 +82,27 @@ def read_ply(path: Path) -> Surface:
     if not points or not triangles:
         raise InputError(f"{path}: the surface is empty: export it again")
     corners = whole_numbers(triangles, f"{path}: corners of faces")
-    return merge_points(np.array(points, np.float64), corners.astype(np.int32))
+    return np.array(points, np.float64), corners
 
 
-def _parse_header(header: str) -> tuple[str, list[_Element]]:
+def parse_header(header: str) -> tuple[str, list[Element]]:
+    """Return the kind of the body and the tables in it."""
     kind, elements = "", []
     for line in header.splitlines()[1:]:
         match line.split():
             case ["format", kind, _]:
                 pass
             case ["element", name, count]:
-                elements.append(_Element(name, int(count), []))
+                elements.append(Element(name, int(count), []))
             case ["property", "list", length, item, name]:
-                column = _Column(name, CODES[item], CODES[length])
+                column = Column(name, CODES[item], CODES[length])
                 elements[-1].columns.append(column)
             case ["property", number, name]:
-                elements[-1].columns.append(_Column(name, CODES[number], None))
+                elements[-1].columns.append(Column(name, CODES[number], None))
     return kind, elements
 
 
-def _check_rows(elements: list[_Element], n_bytes: int, *, is_text: bool) -> None:
+def check_rows(elements: list[Element], n_bytes: int, *, is_text: bool) -> None:
     """Raise ValueError if the body cannot hold the rows that the header declares."""
     least = 0
     for element in elements:
@@ -98,7 +116,7 @@ def _check_rows(elements: list[_Element], n_bytes: int, *, is_text: bool) -> Non
         raise ValueError(f"it declares {least} bytes or more and holds {n_bytes}")
 
 
-def _rows(element: _Element, take: Take) -> Iterator[dict[str, Any]]:
+def _rows(element: Element, take: Take) -> Iterator[dict[str, Any]]:
     for _ in range(element.n_rows):
         row: dict[str, Any] = {}
         for name, code, length_code in element.columns:

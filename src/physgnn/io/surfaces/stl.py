@@ -26,15 +26,15 @@ def read_stl(path: Path) -> Surface:
     The normals in the file are ignored: the order of the corners says the same.
     """
     data = read_bytes(path)
-    corners = _binary(data)
+    corners = binary_corners(data)
     if corners is None:
         corners = _ascii(data, path)
     faces = np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
     return merge_points(corners, faces)
 
 
-def _binary(data: bytes) -> FloatArray | None:
-    """Return the corners, or None if the size does not fit the count in the header.
+def binary_corners(data: bytes) -> FloatArray | None:
+    """Return the corners of a binary file; None if its size does not fit its count.
 
     The first word cannot tell the two kinds apart: binary files may begin with
     "solid" too.

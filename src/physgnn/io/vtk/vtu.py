@@ -60,8 +60,9 @@ def write_prediction(
     mesh : TetMesh
         The mesh.
     fields : mapping of str to array
-        Displacement, force, error: (n_points,) or (n_points, 3) each. A name says
-        its unit, such as ``displacement_mm``.
+        Displacement, force, error: (n_points,) or (n_points, 3) each; a
+        symmetric tensor (n_points, 6): xx, yy, zz, xy, yz, xz. A name says its unit,
+        such as ``displacement_mm``.
     notes : mapping of str to lines of text, optional
         Become field data, such as ``status`` and ``reasons``.
 
@@ -73,10 +74,11 @@ def write_prediction(
     grid = grid_of(mesh)
     for name, field in fields.items():
         values = np.asarray(field)
-        if values.shape not in ((mesh.n_points,), (mesh.n_points, 3)):
+        n = mesh.n_points
+        if values.shape not in ((n,), (n, 3), (n, 6)):
             raise InputError(
-                f"field '{name}' must have one value or vector a point, "
-                f"({mesh.n_points},) or ({mesh.n_points}, 3) (got {values.shape})"
+                f"field '{name}' must have one value or vector a point, or a symmetric "
+                f"tensor, ({n},), ({n}, 3) or ({n}, 6) (got {values.shape})"
             )
         grid.point_data[name] = values
     add_notes(grid, notes)

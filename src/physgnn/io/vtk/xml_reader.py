@@ -6,6 +6,7 @@ write. Others go to `physgnn.io.vtk.isolated`.
 
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from physgnn.io.vtk.xml_arrays import (
 )
 
 APPENDED = re.compile(rb"<AppendedData\b[^>]*>")
+END = b"</VTKFile>"
 WORDS = {"UInt32": "u4", "UInt64": "u8"}
 POLYGON, STRIP = 7, 6  # VTK's numbers of cell types
 KINDS = {".vtu": "UnstructuredGrid", ".vtp": "PolyData"}
@@ -75,20 +77,54 @@ def read_vtk_xml(path: Path) -> VtkData:
     )
 
 
-def _opened(path: Path) -> tuple[ET.Element, ArrayReader]:
-    """Return the tree without the appended data, and what decodes the arrays."""
+@dataclass(frozen=True, eq=False)
+class VtkTree:
+    """A VTK file as a tree, and what no XML parser takes.
+
+    Attributes
+    ----------
+    root : Element
+        Of the tree.
+    tail : bytes
+        From ``<AppendedData`` to the end of the file; empty if there are none.
+    """
+
+    root: ET.Element
+    tail: bytes
+
+    def as_bytes(self) -> bytes:
+        """Return the file."""
+        text: bytes = ET.tostring(self.root, encoding="utf-8", xml_declaration=True)
+        return text.removesuffix(END) + self.tail if self.tail else text
+
+
+def opened(path: Path) -> VtkTree:
+    """Return the tree of a VTK file, without the appended data.
+
+    Raises
+    ------
+    InputError
+        If it cannot be parsed.
+    """
     content = read_bytes(path)
     tag = APPENDED.search(content)
+    if tag is None:
+        return VtkTree(parsed(content), b"")
+    return VtkTree(parsed(content[: tag.start()] + END), content[tag.start() :])
+
+
+def _opened(path: Path) -> tuple[ET.Element, ArrayReader]:
+    """Return the tree without the appended data, and what decodes the arrays."""
+    tree = opened(path)
+    root, tail = tree.root, tree.tail
+    tag = APPENDED.match(tail)
     appended, in_base64 = b"", True
     if tag is not None:
-        # what lies between is raw bytes, which no XML parser takes
-        end = content.rfind(b"</AppendedData>")
-        start = content.find(b"_", tag.end())
+        end = tail.rfind(b"</AppendedData>")
+        start = tail.find(b"_", tag.end())
         if not tag.end() <= start < end:
             raise InputError("its appended data are cut off")
-        appended, in_base64 = content[start + 1 : end], b'"raw"' not in tag.group()
-        content = content[: tag.start()] + b"</VTKFile>"
-    root = parsed(content)
+        appended, in_base64 = tail[start + 1 : end], b'"raw"' not in tag.group()
     order = BYTE_ORDERS.get(root.get("byte_order", "LittleEndian"))
     word = WORDS.get(root.get("header_type", "UInt32"))
     compressor = root.get("compressor")

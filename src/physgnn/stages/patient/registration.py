@@ -10,11 +10,17 @@ from physgnn.io import read_mesh
 from physgnn.io.displacement_files import DisplacementFields, form_of
 from physgnn.io.integrity.atomic import check_folder
 from physgnn.io.medical.images.formats import read_image
+from physgnn.io.vtk.error_fields import COVARIANCE, DEVIATION, packed
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
 from physgnn.progress import Log, no_log
 from physgnn.stages.patient.measured_files import read_measured
+from physgnn.stages.patient.registration_report import (
+    page_in,
+    registered_case,
+    write_page,
+)
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.registration.registrar import Registration
@@ -47,6 +53,7 @@ def register(
     image: str | Path | None = None,
     affine: str | None = None,
     misfits: str | Path | None = None,
+    report: str | Path | None = None,
     log: Log = no_log,
 ) -> "Registration":
     """Find the displacement of a whole brain from what was measured of it.
@@ -92,6 +99,9 @@ def register(
         See `physgnn.stages.predict`.
     misfits : path, optional
         Where a CSV goes of how far each measured place is off, and its weight.
+    report : path, optional
+        Folder where ``report.html`` goes: before and after (of `image`, where one is
+        given), uncertainty, misfit by point, the status and why. Made if it is missing.
     log : callable
         Called with which measured points were left out, and why, with the outliers, and
         with what the image's header leaves open.
@@ -112,7 +122,8 @@ def register(
     write = form_of(out, form).write
     if misfits is not None:
         check_folder(Path(misfits))
-    grid = None if image is None else read_image(image, affine=affine, log=log).grid
+    page = None if report is None else page_in(report)
+    scan = None if image is None else read_image(image, affine=affine, log=log)
     measured = read_measured(
         points=(points, target),
         landmarks=(landmarks, landmarks_target),
@@ -137,11 +148,15 @@ def register(
         log(f"outlier, {one}, weight {one.weight:.2f}")
     fields = {
         "displacement_mm": found.prediction.displacement,
-        "deviation_mm": found.deviation_mm,
+        DEVIATION: found.deviation_mm,
+        COVARIANCE: packed(found.covariance_mm2),
         "force_n": found.forces,
     }
     said = str(found.prediction.status), found.prediction.reasons
+    grid = None if scan is None else scan.grid
     write(Path(out), DisplacementFields(case, fields, grid, *said))
     if misfits is not None:
         write_misfits(misfits, found.misfits)
+    if page is not None:
+        write_page(page, registered_case(case, found, measured, noise_mm, scan))
     return found

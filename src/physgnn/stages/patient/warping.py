@@ -1,4 +1,4 @@
-"""From an image and a displacement to the deformed image."""
+"""From an image or a plan and a displacement to the deformed one."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,6 +15,7 @@ from physgnn.imaging import (
     round_trip_mm,
 )
 from physgnn.imaging import warp as warped
+from physgnn.imaging.reverse import reverse
 from physgnn.imaging.slices import middle_of_shift
 from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.medical.images.formats import (
@@ -24,8 +25,12 @@ from physgnn.io.medical.images.formats import (
     write_image,
 )
 from physgnn.io.medical.transforms import write_field
+from physgnn.io.plans.formats import PLAN_FORMATS, plan_named_like, plan_suffix
+from physgnn.io.plans.plan import Plan
+from physgnn.io.surfaces.formats import SURFACE_READERS
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.progress import Log, no_log
+from physgnn.stages.patient.plans import warp_plan
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,6 +41,7 @@ def warp(
     prediction: str | Path,
     out: str | Path,
     *,
+    back: bool = False,
     labels: bool = False,
     interpolation: str | None = None,
     field: Sequence[str | Path] = (),
@@ -44,18 +50,24 @@ def warp(
     affine: str | None = None,
     series: str | None = None,
     log: Log = no_log,
-) -> Image:
-    """Deform an image as a prediction says, and write what goes with it.
+) -> Image | Plan:
+    """Deform an image or a plan as a prediction says, and write what goes with it.
 
     Parameters
     ----------
     image : path
-        Image of the rest state, see `physgnn.io.medical.images.formats`.
+        Image of the rest state, see `physgnn.io.medical.images.formats`; or what was
+        planned on it, see `physgnn.io.plans.formats`: points, curves, models, tracts.
+        The suffix says which. A plan moves forward, from X to X + u(X), and takes no
+        further arguments but `back` and `log`.
     prediction : path
         VTU with the point array ``displacement_mm``.
     out : path
         Image of the deformed state, on the same voxels; in the image's own format if
-        the name says none.
+        the name says none. Of a plan always in its own.
+    back : bool
+        What comes is of the deformed state, such as a postoperative scan, and goes back
+        to the rest state.
     labels : bool
         The image is a label map.
     interpolation : str, optional
@@ -83,9 +95,24 @@ def warp(
     Raises
     ------
     InputError
-        If a file cannot be used, or image and mesh do not meet.
+        If a file cannot be used, or image or plan and mesh do not meet.
     """
+    _check_kind(image)
+    if plan_suffix(image):
+        given = {
+            "labels": labels,
+            "interpolation": interpolation,
+            "field": field,
+            "jacobian": jacobian,
+            "slices": slices,
+            "affine": affine,
+            "series": series,
+        }
+        _refuse(image, [name for name, value in given.items() if value])
+        return warp_plan(image, prediction, out, back=back, log=log)
     mesh, u = read_displacement(prediction, log=log)
+    if back:
+        mesh, u = reverse(mesh, u)
     read = read_segmentation if labels else read_image
     before = read(image, affine=affine, series=series, log=log)
     inverse = inverse_field(mesh, u, before.grid)
@@ -105,6 +132,31 @@ def warp(
     if slices is not None:
         _save_figure(slices, before_after(before, after, middle_of_shift(mesh, u)))
     return after
+
+
+def result_name(out: str | Path, image: str | Path) -> Path:
+    """Return the name of what `warp` writes."""
+    named = plan_named_like if plan_suffix(image) else named_like
+    return named(out, image)
+
+
+def _check_kind(image: str | Path) -> None:
+    """Raise InputError if a file is a model of a format that is only read."""
+    suffix = Path(image).suffix.lower()
+    models = [name for name in SURFACE_READERS if name in PLAN_FORMATS]
+    if suffix in SURFACE_READERS and suffix not in models:
+        raise InputError(
+            f"{image}: a model is warped as {', '.join(models)} (got '{suffix}'): save "
+            "it as one of these"
+        )
+
+
+def _refuse(plan: str | Path, options: Sequence[str]) -> None:
+    if options:
+        raise InputError(
+            f"{plan}: {', '.join(f'--{name}' for name in options)} is for images (this "
+            f"is a plan, {plan_suffix(plan)}): leave it out"
+        )
 
 
 def _save_figure(path: str | Path, figure: "Figure") -> None:
