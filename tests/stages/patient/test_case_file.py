@@ -1,0 +1,100 @@
+"""A case file that `simulate` and `adapt` run as it is."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshes import block_mesh
+from physgnn.config import read_preset
+from physgnn.dataset import Store
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io import write_mesh
+from physgnn.stages.datasets.simulation import simulate
+from physgnn.stages.patient.case_file import init
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    """A cube of 80 mm with a tumour below the middle of its top."""
+    body = block_mesh(8, side=80.0)
+    centre = body.points[body.cells].mean(axis=1)
+    near = np.linalg.norm(centre - [40, 40, 60], axis=1) < 14
+    region = near.astype(np.int32)
+    write_mesh(tmp_path / "case.vtu", TetMesh(body.points, body.cells, region))
+    return tmp_path / "case.vtu"
+
+
+def point(folder: Path, *places: tuple[float, float, float], system: str) -> Path:
+    path = folder / "point.mrk.json"
+    control = [{"position": place, "label": "c"} for place in places]
+    markup = {"coordinateSystem": system, "controlPoints": control}
+    path.write_text(json.dumps({"markups": [{"type": "Fiducial", **markup}]}))
+    return path
+
+
+def test_the_cortex_nearest_to_the_tumour_is_laid_open(case: Path) -> None:
+    out = case.with_name("case.toml")
+    said: list[str] = []
+    found = init(case, out, radius_mm=20.0, log=said.append)
+    np.testing.assert_allclose(found.centre_mm, [40, 40, 80])
+    # ten-millimetre grid: the points of the top within 20 mm
+    assert found.loaded.count == 13
+    assert said[0].startswith("craniotomy at (40.0, 40.0, 80.0) mm: 13 points")
+    mesh, paths = read_preset(out).on(_read(case))
+    held, opened = mesh.point_set("fixed"), mesh.point_set("loaded")
+    assert not np.intersect1d(held, opened).size
+    assert (mesh.points[opened, 2] == 80).all() and (mesh.points[held, 2] < 80).all()
+    assert len(paths) == 20
+
+
+def test_a_point_beside_the_head_is_put_on_the_cortex(case: Path) -> None:
+    out = case.with_name("case.toml")
+    file = point(case.parent, (-92.0, -40.0, 40.0), system="LPS")
+    found = init(case, out, craniotomy=file)
+    np.testing.assert_allclose(found.centre_mm, [80, 40, 40])
+    held = read_preset(out).on(_read(case))[0].point_set("fixed")
+    assert _read(case).points[held, 0].max() < 80
+
+
+def test_the_file_is_simulated_as_it_is(case: Path) -> None:
+    out = case.with_name("case.toml")
+    init(case, out, radius_mm=25.0)
+    text = out.read_text().replace("paths = 20", "paths = 1")
+    out.write_text(text.replace("levels = 10", "levels = 2"))
+    store, did = simulate(case, case.with_name("s.zarr"), loads=out, workers=1)
+    assert did.solved == 1 and isinstance(store, Store)
+    assert len(store.samples()) == 2
+    assert "[materials.tumour]" in text and "ventricle" not in text.split("[loads]")[1]
+
+
+def test_what_cannot_be_a_craniotomy_is_refused(case: Path) -> None:
+    out = case.with_name("case.toml")
+    folder = case.parent
+    far = point(folder, (300.0, 0.0, 0.0), system="RAS")
+    with pytest.raises(InputError, match=r"outside of the head, 220 mm|outside of the"):
+        init(case, out, craniotomy=far)
+    turned = point(folder, (-60.0, -60.0, 80.0), system="RAS")
+    with pytest.raises(InputError, match="look like LPS"):
+        init(case, out, craniotomy=turned)
+    two = point(folder, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), system="RAS")
+    with pytest.raises(InputError, match="one point"):
+        init(case, out, craniotomy=two)
+    with pytest.raises(InputError, match="radius_mm"):
+        init(case, out, radius_mm=1.0)
+    with pytest.raises(InputError, match=r"\.toml"):
+        init(case, folder / "case.vtu")
+    body = block_mesh(3, side=80.0)
+    whole = TetMesh(body.points, body.cells, np.zeros(body.n_cells, np.int32))
+    write_mesh(folder / "plain.vtu", whole)
+    with pytest.raises(InputError, match="no tumour"):
+        init(folder / "plain.vtu", out)
+    assert not out.exists()
+
+
+def _read(case: Path) -> TetMesh:
+    from physgnn.io import read_mesh
+
+    return read_mesh(case)
