@@ -12,7 +12,9 @@ from physgnn.cli.console import say
 def view(
     path: Annotated[
         Path | None,
-        typer.Argument(help="A run folder or a mesh; by default the bundled model."),
+        typer.Argument(
+            help="A run folder or a case, VTU; by default the bundled model."
+        ),
     ] = None,
     port: Annotated[
         int,
@@ -34,6 +36,12 @@ def view(
             help="Stream the deformation by OpenIGTLink from this port.",
         ),
     ] = None,
+    save: Annotated[
+        Path | None,
+        typer.Option(
+            help="Keep craniotomies and registrations of a case in this folder."
+        ),
+    ] = None,
     igtl_surfaces: Annotated[
         bool,
         typer.Option("--igtl-surfaces", help="Stream the deformed surfaces too."),
@@ -41,5 +49,11 @@ def view(
 ) -> None:
     """Load the brain in the browser and see it deform."""
     stages.view(
-        path, port=port, image=image, igtl=igtl, igtl_surfaces=igtl_surfaces, log=say
+        path,
+        port=port,
+        image=image,
+        igtl=igtl,
+        igtl_surfaces=igtl_surfaces,
+        save=save,
+        log=say,
     )

@@ -10,6 +10,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from physgnn.errors import InputError
 from physgnn.serving.app import make_app
+from physgnn.serving.patient.desk import Desk
 from physgnn.serving.scene.image_slices import read_image
 from physgnn.serving.scene.viewed import view
 from physgnn.serving.sessions.engine import Engine
@@ -31,6 +32,7 @@ def serve(
     image: str | Path | None = None,
     igtl: int | None = None,
     igtl_surfaces: bool = False,
+    desk: Desk | None = None,
     log: Callable[[str], None] = print,
 ) -> None:
     """Show a body in the browser until interrupted.
@@ -47,6 +49,8 @@ def serve(
         Port to stream the deformation from by OpenIGTLink; 0 takes a free one.
     igtl_surfaces : bool
         Stream the deformed surfaces too.
+    desk : Desk, optional
+        Does what the page may do for a patient, whose mesh is shown then.
     log : callable
         Receives the addresses, a line each.
 
@@ -56,7 +60,8 @@ def serve(
         If there is nothing to show at the path, or a port is taken.
     """
     listening = listen(port)
-    engine = Engine(view(path), None if image is None else read_image(image, log=log))
+    grey = None if image is None else read_image(image, log=log)
+    engine = Engine(view(path, None if desk is None else desk.mesh), grey, desk)
     beside = []
     if igtl is not None:
         from physgnn.serving.igtl import stream
