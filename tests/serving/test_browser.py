@@ -10,13 +10,13 @@ empty means the bundled model.
 import asyncio
 import json
 import os
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from browser_tools import browser_tools
 from live_server import serving
 
 from physgnn.io import read_load_case
@@ -35,23 +35,6 @@ ADDED = ColourField(
     measure=lambda _, solved: solved.prediction.displacement[:, 2],
     diverging=True,
 )
-
-
-def browser_tools() -> tuple[str, str, str]:
-    node = shutil.which("node")
-    chromium = os.environ.get("PHYSGNN_CHROMIUM") or shutil.which("chromium")
-    playwright = os.environ.get("PHYSGNN_PLAYWRIGHT", "")
-    for name, there in (
-        ("node", node),
-        ("chromium", chromium),
-        ("playwright-core (set PHYSGNN_PLAYWRIGHT)", Path(playwright, "index.mjs")),
-    ):
-        if there is None or not Path(there).exists():
-            says = f"no {name} on this machine: the first lines of this file say how"
-            if os.environ.get("PHYSGNN_REQUIRE_BROWSER"):
-                pytest.fail(says)
-            pytest.skip(says)
-    return str(node), playwright, str(chromium)
 
 
 @pytest.fixture(scope="module")

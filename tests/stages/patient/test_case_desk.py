@@ -72,9 +72,7 @@ def test_a_clicked_craniotomy_is_the_file_of_init(case: Path) -> None:
     assert (kept / "case.toml").read_text() == theirs
     mesh, _ = read_preset(kept / "case.toml").on(read_mesh(case))
     for name in ("fixed", "loaded"):
-        np.testing.assert_array_equal(
-            desk.mesh.point_set(name), mesh.point_set(name)
-        )
+        np.testing.assert_array_equal(desk.mesh.point_set(name), mesh.point_set(name))
         np.testing.assert_array_equal(
             read_mesh(kept / "case.vtu").point_set(name), mesh.point_set(name)
         )
