@@ -42,9 +42,12 @@ listen(stage, load, {
 const link = new Link({ onScene, onSection, onPrediction, onCraniotomy, onState, onText, onClosed });
 const patient = new Patient(link, {
   pick: (pick) => {
+    const picked = touch.pick !== null;
     touch.pick = pick;
     stage.canvas.classList.toggle("picking", pick !== null);
     if (pick && load.point) load.release();
+    if (pick) $("hint").textContent = "Click the middle of the craniotomy.";
+    if (pick || picked) $("hint").classList.toggle("done", !pick);
   },
   preview,
   message: panel.showMessage,
@@ -89,6 +92,7 @@ function onCraniotomy(header, arrays) {
 /** A registered state takes the place of a load. */
 function onState(header, arrays) {
   const first = patient.onState(header);
+  $("hint").classList.add("done");
   if (load.point) load.release();
   predictions.set(REGISTERED, { header, arrays });
   for (const view of stage.views) view.setMeasured(arrays.measured, header.misfits);
