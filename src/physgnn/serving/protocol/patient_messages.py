@@ -16,7 +16,7 @@ MOST_FILES = 32
 RADIUS_MM = (5.0, 100.0)  # as of `physgnn init`
 
 
-class Craniotomy(CheckedMessage):
+class TriedCraniotomy(CheckedMessage):
     """Where the skull might be open: it is shown, and nothing more.
 
     Attributes
@@ -99,5 +99,5 @@ class Save(CheckedMessage):
 
 
 PatientMessage: TypeAlias = (
-    Craniotomy | OpenSkull | MeasuredFile | Forget | Register | ShowState | Save
+    TriedCraniotomy | OpenSkull | MeasuredFile | Forget | Register | ShowState | Save
 )

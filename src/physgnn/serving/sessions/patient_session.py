@@ -13,7 +13,7 @@ from physgnn.errors import InputError
 from physgnn.serving.patient.desk import Desk, Opening, RegisteredShift
 from physgnn.serving.patient.uploads import ReceivedFile, Uploads, states_of
 from physgnn.serving.protocol.patient_messages import (
-    Craniotomy,
+    TriedCraniotomy,
     Forget,
     MeasuredFile,
     OpenSkull,
@@ -98,7 +98,7 @@ class PatientSession:
                     await self._say("error", id=None, text=str(error))
 
     async def _answer(self, message: PatientMessage) -> None:
-        if isinstance(message, Craniotomy):
+        if isinstance(message, TriedCraniotomy):
             await self._try(message)
         elif isinstance(message, OpenSkull):
             await self._open()
@@ -109,7 +109,7 @@ class PatientSession:
         elif isinstance(message, Save):
             await self._save()
 
-    async def _try(self, message: Craniotomy) -> None:
+    async def _try(self, message: TriedCraniotomy) -> None:
         point, radius = np.array(message.point), message.radius_mm
         self._opening = await self._engine.draw(
             partial(self._desk.opening, point, radius)
