@@ -126,10 +126,8 @@ def bulk(case: Case, n_paths: int, workers: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         store = Store.create(
             Path(folder) / "bulk.zarr",
-            case.mesh,
+            Body(case.mesh, BRAIN_AND_TUMOUR, case.fixed),
             [LoadPath(path.nodes, path.forces, factors) for path in paths],
-            materials=BRAIN_AND_TUMOUR,
-            fixed=case.fixed,
             provenance={},
         )
         start = time.perf_counter()

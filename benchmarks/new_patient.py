@@ -17,7 +17,7 @@ import numpy as np
 import torch
 
 from physgnn.dataset import Store, named_split
-from physgnn.dataset.training_loads import sample_forces
+from physgnn.dataset.training_loads import strongest_forces
 from physgnn.learning.baselines.linear import Linear
 from physgnn.learning.runs.adaptation import adapt
 from physgnn.learning.runs.checkpoint import Checkpoint
@@ -79,7 +79,7 @@ def main() -> None:
     print(f"{machine()}; {store.mesh.n_points} points, {len(samples)} samples\n")
 
     start = time.perf_counter()
-    adapted = adapt(family, body, sample_forces(store, split.train))
+    adapted = adapt(family, body, strongest_forces(store, split.train))
     seconds = time.perf_counter() - start
     answers: dict[str, Surrogate] = {"linear solution": Linear(body)}
     answers["family's network"] = adapted.model

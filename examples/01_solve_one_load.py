@@ -45,10 +45,12 @@ def main(folder: Path) -> dict[str, float]:
 def draw(mesh: pg.TetMesh, u: np.ndarray, file: Path) -> None:
     """Draw the deformed brain, coloured by how far each point moved."""
     grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points + u)
-    grid["displacement, mm"] = np.linalg.norm(u, axis=1)
+    grid["displacement, mm\n"] = np.linalg.norm(u, axis=1)  # a line above the numbers
     plotter = pv.Plotter(off_screen=True, window_size=(600, 450))
-    plotter.add_mesh(grid.extract_surface(algorithm=None), cmap="viridis")
-    plotter.camera_position = [CRANIOTOMY * 7, (0, -15, 10), (0, 0, 1)]
+    bar = {"title_font_size": 24, "label_font_size": 20, "n_labels": 3, "fmt": "%.0f"}
+    surface = grid.extract_surface(algorithm=None)
+    plotter.add_mesh(surface, cmap="viridis", scalar_bar_args=bar)
+    plotter.camera_position = [CRANIOTOMY * 6, (0, -15, -14), (0, 0, 1)]
     plotter.screenshot(file)
     plotter.close()
 

@@ -52,12 +52,12 @@ def main(folder: Path) -> dict[str, float]:
     yeoh, neo = Yeoh(500.0, 400.0), Yeoh(500.0, 0.0)
     stretches = np.linspace(0.7, 1.3, 61)
     curves = {"Yeoh": nominal(yeoh, stretches), "neo-Hookean": nominal(neo, stretches)}
-    figure, axes = plt.subplots(figsize=(6, 4.5), layout="constrained")
+    figure, axes = plt.subplots(figsize=(4, 3), layout="constrained")
     for name, curve in curves.items():
         axes.plot(stretches, 1e-3 * curve, label=name)
     axes.set(xlabel="stretch", ylabel="nominal stress, kPa")
     axes.legend(frameon=False)
-    figure.savefig(folder / "picture.png", dpi=100)
+    figure.savefig(folder / "picture.png", dpi=150)
     plt.close(figure)
     ratio = curves["Yeoh"][0] / curves["neo-Hookean"][0]
     return {"derivative_error": derivative_error(yeoh), "stiffer_at_0.7": ratio}

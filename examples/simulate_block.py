@@ -45,10 +45,12 @@ def main(out: Path) -> None:
     )
     store = pg.Store.create(
         out,
-        mesh,
+        pg.Body(
+            mesh,
+            {0: pg.NeoHookean(youngs_modulus_pa=3000.0, poissons_ratio=0.45)},
+            mesh.point_set("fixed"),
+        ),
         paths,
-        materials={0: pg.NeoHookean(youngs_modulus_pa=3000.0, poissons_ratio=0.45)},
-        fixed=mesh.point_set("fixed"),
         provenance={"made by": "examples/simulate_block.py"},
     )
     generate(store)

@@ -8,6 +8,7 @@ from physgnn.dataset.splits.samples import MESH
 from physgnn.imaging.image_warping import INTERPOLATIONS
 from physgnn.io.medical.images.nifti_place import FORMS
 from physgnn.io.stress_curves import PA
+from physgnn.learning.models import MODELS
 from physgnn.learning.physgnn.precision import PRECISIONS
 from physgnn.learning.training.budget import CLOCKS
 from physgnn.learning.training.objective.losses import LOSSES
@@ -15,25 +16,36 @@ from physgnn.learning.training.schedules import SCHEDULES
 from physgnn.mechanics.elements.tet4 import ELEMENTS
 from physgnn.mechanics.materials.fitted_laws import FAMILIES
 from physgnn.registration.skull import SUPPORTS
+from physgnn.segmentation.backends import AUTO, BACKENDS
+from physgnn.segmentation.contrasts import FLUID_IS_BRIGHT
 
 
 @pytest.mark.parametrize(
-    ("names", "rows"),
+    ("choice", "rows"),
     [
-        (choices.PresetName, PRESETS),
-        (choices.SolverName, SOLVERS),
-        (choices.Element, ELEMENTS),
-        (choices.FittedLaw, FAMILIES),
-        (choices.StressUnit, PA),
-        (choices.SplitName, [*SPLITS, MESH]),
-        (choices.LossName, LOSSES),
-        (choices.Schedule, SCHEDULES),
-        (choices.Clock, CLOCKS),
-        (choices.PrecisionName, PRECISIONS),
-        (choices.Skull, SUPPORTS),
-        (choices.Interpolation, INTERPOLATIONS),
-        (choices.AffineForm, FORMS),
+        ("PresetName", PRESETS),
+        ("SolverName", SOLVERS),
+        ("Element", ELEMENTS),
+        ("FittedLaw", FAMILIES),
+        ("StressUnit", PA),
+        ("SplitName", [*SPLITS, MESH]),
+        ("LossName", LOSSES),
+        ("Schedule", SCHEDULES),
+        ("Clock", CLOCKS),
+        ("PrecisionName", PRECISIONS),
+        ("Skull", SUPPORTS),
+        ("Interpolation", INTERPOLATIONS),
+        ("AffineForm", FORMS),
+        ("BrainBackend", [*BACKENDS, AUTO]),
+        ("Contrast", FLUID_IS_BRIGHT),
+        ("ModelName", MODELS),
     ],
 )
-def test_every_name_has_a_row_and_every_row_a_name(names: type, rows: object) -> None:
-    assert list(names) == list(rows)  # type: ignore[call-overload]
+def test_a_choice_names_the_rows_of_its_table(choice: str, rows: object) -> None:
+    assert list(choices.names(choice)) == list(rows)  # type: ignore[call-overload]
+    assert list(getattr(choices, choice)) == list(rows)  # type: ignore[call-overload]
+
+
+def test_every_choice_is_compared_with_its_table() -> None:
+    (compared,) = test_a_choice_names_the_rows_of_its_table.pytestmark  # type: ignore[attr-defined]
+    assert {choice for choice, _ in compared.args[1]} == set(choices.TABLES)

@@ -8,6 +8,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = {
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changes.md",
+    "THIRD_PARTY.md": "third_party.md",
     "benchmarks/README.md": "benchmarks.md",
 }
 

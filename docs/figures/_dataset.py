@@ -29,10 +29,7 @@ def dataset() -> pg.Store:
         forces = np.tile(4.0 / 15 * direction, (15, 1)) * rng.uniform(0.5, 1.5, (15, 1))
         factors = np.arange(1, N_LEVELS + 1) / N_LEVELS
         paths.append(pg.LoadPath(nodes=nodes, forces=forces, load_factors=factors))
-    store = pg.Store.create(
-        Path(tempfile.mkdtemp()) / "loads.zarr", mesh, paths,
-        materials=materials(), fixed=mesh.point_set("fixed"), provenance={},
-    )  # fmt: skip
+    store = pg.Store.create(Path(tempfile.mkdtemp()) / "loads.zarr", pg.Body(mesh, materials(), mesh.point_set("fixed")), paths, provenance={})  # fmt: skip
     generate(store)
     return store
 

@@ -1,95 +1,41 @@
 """What a user chooses from where the list is closed, by name and without its code.
 
-The tables of functions behind these names have the members for keys. They stand here,
-below everything, because the command line shows them in its help: importing the tables
-would import torch and compiled kernels first.
+Most lists are the names of a table's rows: a loss, a preset or a split is added to its
+table, and nowhere else. The command line shows them in its help, and importing the
+tables would import torch and compiled kernels first. So their names are read from the
+tables' source, as text; a test compares them with the tables.
 """
 
+import ast
 from enum import StrEnum
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-
-class PresetName(StrEnum):
-    """Where a body is held and loaded: rows of `physgnn.dataset.PRESETS`."""
-
-    PAPER_1 = "paper-1"
-    PAPER_2 = "paper-2"
-    DEMO = "demo"
-    FAMILY = "family"
-
-
-class SolverName(StrEnum):
-    """What solves load paths: rows of `physgnn.dataset.SOLVERS`."""
-
-    PHYSGNN = "physgnn"
-    FEBIO = "febio"
-
-
-class Element(StrEnum):
-    """Finite elements: rows of `physgnn.mechanics.elements.tet4.ELEMENTS`."""
-
-    TET4 = "tet4"
-    TET4_AVERAGED = "tet4-averaged"
-
-
-class FittedLaw(StrEnum):
-    """Laws that can be fitted.
-
-    Rows of `physgnn.mechanics.materials.fitted_laws.FAMILIES`.
-    """
-
-    NEO_HOOKEAN = "neo-hookean"
-    MOONEY_RIVLIN = "mooney-rivlin"
-    OGDEN = "ogden"
-
-
-class StressUnit(StrEnum):
-    """Units of measured stress: rows of `physgnn.io.stress_curves.PA`."""
-
-    KPA = "kpa"
-    PA = "pa"
-
-
-class SplitName(StrEnum):
-    """Which samples are held out: rows of `physgnn.dataset.SPLITS`, and ``mesh``."""
-
-    PUBLISHED = "published"
-    PATH = "path"
-    NODE = "node"
-    MESH = "mesh"
-
-
-class LossName(StrEnum):
-    """What training minimises: rows of `learning.training.objective.losses.LOSSES`."""
-
-    MEAN_EUCLIDEAN = "mean_euclidean"
-    MEAN_SQUARE = "mean_square"
-    MEAN_ABSOLUTE = "mean_absolute"
-    ROOT_MEAN_SQUARE_SAMPLE = "root_mean_square_sample"
-    RELATIVE_SAMPLE = "relative_sample"
-
-
-class Schedule(StrEnum):
-    """How the learning rate falls.
-
-    Rows of `physgnn.learning.training.schedules.SCHEDULES`.
-    """
-
-    PLATEAU = "plateau"
-    COSINE = "cosine"
-
-
-class Clock(StrEnum):
-    """What counts minutes: rows of `physgnn.learning.training.budget.CLOCKS`."""
-
-    WALL = "wall"
-    PROCESSOR = "processor"
-
-
-class PrecisionName(StrEnum):
-    """Of PhysGNN's LSTMs: rows of `physgnn.learning.physgnn.precision.PRECISIONS`."""
-
-    FLOAT32 = "float32"
-    BFLOAT16 = "bfloat16"
+PACKAGE = Path(__file__).parent
+TABLES = {
+    "PresetName": ("dataset/presets.py", "PRESETS"),
+    "SolverName": ("dataset/generation/pending_paths.py", "SOLVERS"),
+    "Element": ("mechanics/elements/tet4.py", "ELEMENTS"),
+    "FittedLaw": ("mechanics/materials/fitted_laws.py", "FAMILIES"),
+    "StressUnit": ("io/stress_curves.py", "PA"),
+    "SplitName": ("dataset/splits/samples.py", "SPLITS"),
+    "LossName": ("learning/training/objective/losses.py", "LOSSES"),
+    "Schedule": ("learning/training/schedules.py", "SCHEDULES"),
+    "Clock": ("learning/training/budget.py", "CLOCKS"),
+    "PrecisionName": ("learning/physgnn/precision.py", "PRECISIONS"),
+    "Skull": ("registration/skull.py", "SUPPORTS"),
+    "AffineForm": ("io/medical/images/nifti_place.py", "FORMS"),
+    "Interpolation": ("imaging/image_warping.py", "INTERPOLATIONS"),
+    "BrainBackend": ("segmentation/backends/__init__.py", "BACKENDS"),
+    "ModelName": ("learning/models.py", "MODELS"),
+    "Contrast": ("segmentation/contrasts.py", "FLUID_IS_BRIGHT"),
+}
+"""Choice → module and table whose rows it names."""
+WITHOUT_ROW = {
+    "SplitName": ("mesh",),  # holds out a whole store, not samples of one
+    "BrainBackend": ("auto",),  # whichever is installed
+}
 
 
 class Device(StrEnum):
@@ -109,23 +55,57 @@ class Estimate(StrEnum):
     QUICK = "quick"
 
 
-class Skull(StrEnum):
-    """How the skull holds a brain: rows of `physgnn.registration.skull.SUPPORTS`."""
+@cache
+def names(choice: str) -> tuple[str, ...]:
+    """Return the names of a choice in the order of its table.
 
-    FIXED = "fixed"
-    SLIDING = "sliding"
+    Parameters
+    ----------
+    choice : str
+        A key of `TABLES`.
+    """
+    module, table = TABLES[choice]
+    source = ast.parse((PACKAGE / module).read_text(encoding="utf-8"))
+    (rows,) = (_value(node) for node in source.body if table in _targets(node))
+    literals = rows.keys if isinstance(rows, ast.Dict) else getattr(rows, "elts", [])
+    found = (ast.literal_eval(literal) for literal in literals if literal)
+    return (*found, *WITHOUT_ROW.get(choice, ()))
 
 
-class AffineForm(StrEnum):
-    """Of a NIfTI header: rows of `physgnn.io.medical.images.nifti_place.FORMS`."""
+def _targets(node: ast.stmt) -> list[str]:
+    """Return the names that a statement assigns to."""
+    targets: list[Any] = getattr(node, "targets", [getattr(node, "target", None)])
+    return [target.id for target in targets if isinstance(target, ast.Name)]
 
-    SFORM = "sform"
-    QFORM = "qform"
+
+def _value(node: ast.stmt) -> Any:
+    return getattr(node, "value", None)
 
 
-class Interpolation(StrEnum):
-    """Between voxels: rows of `physgnn.imaging.image_warping.INTERPOLATIONS`."""
+if TYPE_CHECKING:
+    # what a type checker sees of the choices that the command line offers
+    PresetName: TypeAlias = str
+    SolverName: TypeAlias = str
+    Element: TypeAlias = str
+    FittedLaw: TypeAlias = str
+    StressUnit: TypeAlias = str
+    SplitName: TypeAlias = str
+    LossName: TypeAlias = str
+    Clock: TypeAlias = str
+    PrecisionName: TypeAlias = str
+    Skull: TypeAlias = str
+    AffineForm: TypeAlias = str
+    Interpolation: TypeAlias = str
+    BrainBackend: TypeAlias = str
+    Contrast: TypeAlias = str
+    ModelName: TypeAlias = str
+else:
 
-    LINEAR = "linear"
-    NEAREST = "nearest"
-    CUBIC = "cubic"
+    def __getattr__(choice: str) -> type[StrEnum]:
+        """Return a choice as the enum that the command line's help lists."""
+        if choice not in TABLES:
+            raise AttributeError(f"module '{__name__}' has no attribute '{choice}'")
+        members = [(name, name) for name in names(choice)]
+        enum = StrEnum(choice, members, module=__name__)
+        globals()[choice] = enum
+        return enum

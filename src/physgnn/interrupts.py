@@ -46,8 +46,8 @@ def name_of(number: int) -> str:
     return "interrupted" if number == signal.SIGINT else "terminated"
 
 
-def install() -> None:
-    """Raise `Interrupted` on SIGINT and SIGTERM from now on, in the main thread.
+def install(signals: tuple[signal.Signals, ...] = SIGNALS) -> None:
+    """Raise `Interrupted` on signals from now on, in the main thread.
 
     A second SIGTERM changes nothing; a second Ctrl-C also cuts short the cleaning up.
     Once the interpreter shuts down, signals change nothing any more.
@@ -56,7 +56,7 @@ def install() -> None:
     if threading.current_thread() is not threading.main_thread():
         return
     _received = None
-    for number in SIGNALS:
+    for number in signals:
         signal.signal(number, _raise)
     if sys.unraisablehook is not _again:
         _hook, sys.unraisablehook = sys.unraisablehook, _again
@@ -76,15 +76,6 @@ def ignore() -> None:
     """Ignore SIGINT and SIGTERM from now on."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
-
-
-def ignore_in_worker() -> None:
-    """Leave Ctrl-C to the process that started this worker; SIGTERM ends it silently.
-
-    For the initializers of process pools: a terminal sends Ctrl-C to every process.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, _raise)
 
 
 def _raise(number: int, frame: FrameType | None) -> None:

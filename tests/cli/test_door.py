@@ -140,6 +140,50 @@ main()
 
 
 @pytest.mark.slow
+def test_what_is_left_of_shared_memory_is_no_news(tmp_path: Path) -> None:
+    """A thread that does not end has the process ended before it has cleaned up."""
+    program = """
+import multiprocessing, pathlib, threading, time, physgnn.cli.app as app
+def run():
+    app.kept = multiprocessing.get_context("spawn").Semaphore()
+    threading.Thread(target=time.sleep, args=(60,)).start()
+    pathlib.Path("here").touch()
+    time.sleep(60)
+app.run = run
+from physgnn.cli import main
+main()
+"""
+    started = Started(tmp_path, program=program)
+    started.until((tmp_path / "here").exists)
+    assert started.end(signal.SIGTERM) == (143, "physgnn: terminated\n")
+
+
+def test_ctrl_c_is_for_the_first_of_processes_that_train_together(
+    tmp_path: Path,
+) -> None:
+    """It starts the others such that they ignore it; they keep it so."""
+    program = """
+import pathlib, signal, time, physgnn.cli.app as app
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+def run():
+    pathlib.Path("here").touch()
+    for _ in range(600):
+        time.sleep(0.1)
+        if pathlib.Path("done").exists():
+            return 0
+app.run = run
+from physgnn.cli import main
+main()
+"""
+    started = Started(tmp_path, program=program, LOCAL_RANK="1")
+    started.until((tmp_path / "here").exists)
+    started.process.send_signal(signal.SIGINT)
+    time.sleep(0.3)
+    (tmp_path / "done").touch()
+    assert started.process.communicate(timeout=WAIT) == ("", "")
+    assert started.process.returncode == 0
+
+
 @pytest.mark.parametrize("number", ENDED)
 def test_a_signal_while_meshing_leaves_no_folder(tmp_path: Path, number: int) -> None:
     out = tmp_path / "mesh.vtu"

@@ -8,6 +8,7 @@ import pytest
 
 from physgnn.dataset import Store
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
@@ -63,10 +64,8 @@ def new_store(block: TetMesh, tmp_path: Path) -> Callable[..., Store]:
         ]
         return Store.create(
             tmp_path / name,
-            block,
+            Body(block, MATERIALS, block.point_set("fixed")),
             paths,
-            materials=MATERIALS,
-            fixed=block.point_set("fixed"),
             provenance={"made": "for a test"},
         )
 

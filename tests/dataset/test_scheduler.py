@@ -1,7 +1,8 @@
-"""A scheduler and workers started separately, as on a cluster, and a worker killed."""
+"""Schedulers and workers started separately, as on a cluster: killed, and secured."""
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,19 +14,23 @@ from typing import Any
 import numpy as np
 import pytest
 
+from documented_pages import DOCS, blocks
 from physgnn.dataset import Store, generate, verify
 
 NewStore = Callable[..., Store]
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
 
 
-def start(program: str, *arguments: object) -> subprocess.Popen[bytes]:
+def start(
+    program: str, *arguments: object, **environment: str
+) -> subprocess.Popen[bytes]:
     """Start a Dask program by its module, so that no PATH is needed."""
     command = [sys.executable, "-m", f"distributed.cli.dask_{program}"]
     return subprocess.Popen(
         [*command, *map(str, arguments), "--no-dashboard"],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
-        env={**os.environ, "OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"},
+        env={**os.environ, **ONE_THREAD, **environment},
     )
 
 
@@ -93,3 +98,70 @@ def test_one_of_two_workers_killed(
     for i in range(40):
         assert np.array_equal(store.displacement(i), alone.displacement(i))
     assert verify(store, scheduler=address).largest_mm < 1e-4
+
+
+SOLVE = """
+import sys
+from physgnn.dataset import Store, generate
+from physgnn.errors import InputError
+try:
+    result = generate(Store.open(sys.argv[1]), scheduler=sys.argv[2])
+except InputError as error:
+    sys.exit(str(error))
+sys.exit(bool(result.errors))
+"""
+
+
+def solve(store: Store, address: str, environment: dict[str, str]) -> tuple[int, str]:
+    """Solve in a process of its own: Dask reads the environment when it is imported."""
+    done = subprocess.run(
+        [sys.executable, "-c", SOLVE, str(store.path), address],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    return done.returncode, done.stderr
+
+
+def environment_of_the_page(folder: Path) -> tuple[dict[str, str], list[str]]:
+    """Run what the page says of TLS; return what it exports, and its last command."""
+    page = blocks(DOCS / "howto" / "cluster.md")
+    (block,) = [block for block in page if "openssl req" in block.text]
+    *setting, last = block.text.strip().splitlines()
+    script = "\n".join(["set -e", *setting, "env -0"])
+    said = subprocess.run(
+        ["bash", "-c", script], cwd=folder, capture_output=True, check=True
+    )
+    pairs = (line.split("=", 1) for line in said.stdout.decode().split("\0") if line)
+    found = {name: value for name, value in pairs if name.startswith("DASK_")}
+    return found, last.split()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="needs openssl")
+def test_the_recipe_for_tls(new_store: NewStore, tmp_path: Path) -> None:
+    """With the key the store is filled; who has none reaches nothing."""
+    environment, last = environment_of_the_page(tmp_path)
+    assert last == ["dask", "scheduler", "--protocol", "tls", "--no-dashboard"]
+    assert (tmp_path / "key.pem").stat().st_mode & 0o077 == 0
+    file, store = tmp_path / "scheduler.json", new_store("secured", 2)
+    options = ("--protocol", "tls", "--port", 0, "--scheduler-file", file)
+    started = [start("scheduler", *options, **environment)]
+    try:
+        wait_for(file.is_file)
+        address = json.loads(file.read_text())["address"]
+        assert address.startswith("tls://")
+        options = ("--nthreads", 1, "--no-nanny", "--local-directory", tmp_path / "w")
+        started.append(start("worker", address, *options, **environment))
+        for stranger in (address, address.replace("tls://", "tcp://")):
+            code, said = solve(store, stranger, {})
+            assert code == 1
+            assert f"no Dask scheduler answers at {stranger}" in said
+        assert len(store.pending()) == 2
+        assert solve(store, address, environment) == (0, "")
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+    assert len(store.pending()) == 0

@@ -9,6 +9,7 @@ import febio_stand_in
 from physgnn.dataset import Preset, Store, generate, verification_of
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.sampling import equal_levels
@@ -95,10 +96,8 @@ def test_no_solver_to_go_on_with(
     mesh, paths = PRESET.on(block)
     store = Store.create(
         tmp_path / "s.zarr",
-        mesh,
+        Body(mesh, PRESET.materials, mesh.point_set("fixed")),
         paths,
-        materials=PRESET.materials,
-        fixed=mesh.point_set("fixed"),
         provenance={"solver": solver},
     )
     with pytest.raises(InputError, match=message):

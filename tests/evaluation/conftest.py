@@ -5,6 +5,7 @@ import pytest
 
 from physgnn.dataset.storage.store import Store
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Solution
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
@@ -31,10 +32,8 @@ def store(block: TetMesh, tmp_path_factory: pytest.TempPathFactory) -> Store:
     ]
     store = Store.create(
         tmp_path_factory.mktemp("evaluation") / "loads.zarr",
-        block,
+        Body(block, MATERIALS, block.point_set("fixed")),
         paths,
-        materials=MATERIALS,
-        fixed=block.point_set("fixed"),
         provenance={"preset": "paper-2"},
     )
     for i in range(N_PATHS):

@@ -35,6 +35,7 @@ from physgnn.io.meshes.tetrahedra import read_tetrahedra
 from physgnn.io.simulation import Simulation, solution_of
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.io.vtk.reader import read_vtk
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
 
@@ -199,7 +200,7 @@ def _squeezed(path: Path) -> None:
 def _febio(path: Path) -> None:
     materials = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.45)}
     fixed = MESH.point_set("fixed")
-    write_febio(path, MESH, PATH, materials=materials, fixed=fixed)
+    write_febio(path, Body(MESH, materials, fixed), PATH)
 
 
 def _csv(path: Path) -> None:

@@ -10,6 +10,7 @@ killed the same way with ``--what demo``; it must end, and its files be there.
 import argparse
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -109,6 +110,9 @@ def kill_simulate(count: int, seed: int, folder: Path, *, paths: int = 24) -> Ou
         most = min(5, count - kills)
         kills += killed_until_done(command(store, workers), rng, most, longest)
         faults += differences(Store.open(store), expected)
+        faults += [f"{left}: left over" for left in strays(folder)]
+        print(f"{number + 1} stores, {kills} kills, {len(faults)} faults", flush=True)
+        shutil.rmtree(store)
     return Outcome(kills, tuple(faults))
 
 
@@ -128,6 +132,15 @@ def differences(store: Store, expected: Store) -> list[str]:
         ),
     )
     return [f"{store.path}: {reason}" for wrong, reason in reasons if wrong]
+
+
+def strays(folder: Path) -> list[Path]:
+    """Return what writers left beside its place, now that the last run has ended.
+
+    Zarr's unfinished chunks, under random names, are removed once they are a minute
+    old, by the next run that writes to the store.
+    """
+    return [*folder.glob(".*")]
 
 
 def kill_demo(count: int, seed: int, folder: Path) -> Outcome:

@@ -14,6 +14,7 @@ import random
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -35,7 +36,7 @@ class Seen:
     seconds: list[float] = field(default_factory=list)
     errors: int = 0
     dropped: list[str] = field(default_factory=list)
-    resident: list[tuple[float, float]] = field(default_factory=list)
+    resident: list[tuple[float, float, float]] = field(default_factory=list)
 
 
 async def client(address: str, rate: float, end: float, seed: int, seen: Seen) -> None:
@@ -95,9 +96,12 @@ async def read(socket, sent: dict[int, float], seen: Seen) -> None:
 async def watch(process: psutil.Process, seen: Seen) -> None:
     start = time.monotonic()
     while True:
-        seen.resident.append(
-            (time.monotonic() - start, process.memory_info().rss / 1e6)
-        )
+        below = 0
+        for child in process.children(recursive=True):
+            with suppress(psutil.Error):  # it ended meanwhile
+                below += child.memory_info().rss
+        sizes = (process.memory_info().rss / 1e6, below / 1e6)
+        seen.resident.append((time.monotonic() - start, *sizes))
         await asyncio.sleep(1)
 
 
@@ -115,15 +119,20 @@ async def load(page: str, process: psutil.Process, given: argparse.Namespace) ->
 
 
 def report(seen: Seen, minutes: float) -> int:
-    late = [mb for s, mb in seen.resident if s > WARM_UP * 60 * minutes]
+    late = [mb for s, mb, _ in seen.resident if s > WARM_UP * 60 * minutes]
+    below = max(mb for _, _, mb in seen.resident)
     half = len(late) // 2
     before, after = np.median(late[:half] or [0]), np.median(late[half:] or [0])
+    for share in (0.0, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0):
+        s, mb, others = seen.resident[round(share * (len(seen.resident) - 1))]
+        print(f"after {s:6.0f} s: {mb:6.0f} MB, and {others:.0f} MB in its processes")
     p50, p95, p99 = 1e3 * np.percentile(seen.seconds or [np.nan], [50, 95, 99])
     print(
         f"{len(seen.seconds)} predictions, p50 {p50:.0f} ms, p95 {p95:.0f} ms, "
         f"p99 {p99:.0f} ms; {seen.errors} errors reported; memory "
         f"{seen.resident[0][1]:.0f} MB at first, {before:.0f} and {after:.0f} MB in "
-        f"the halves after warming up, {max(late, default=0):.0f} MB at most; "
+        f"the halves after warming up, {max(late, default=0):.0f} MB at most, "
+        f"{below:.0f} MB at most in its processes; "
         f"clients dropped: {seen.dropped or 'none'}"
     )
     return int(bool(seen.dropped) or not seen.seconds or after > MOST_GROWTH * before)

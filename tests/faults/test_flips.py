@@ -1,6 +1,7 @@
 """One flipped bit in what a checksum covers is noticed, or changes nothing."""
 
 import contextlib
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,9 @@ import pytest
 
 from faults.file_formats import FORMATS, same
 from faults.file_mutants import flipped
+from physgnn.bundled import BUNDLED_RUN
 from physgnn.errors import InputError
+from physgnn.prediction.predictor import Predictor
 
 COMPRESSED = [name for name, form in FORMATS.items() if form.compressed]
 FLIPS = 300
@@ -65,3 +68,21 @@ def test_flips_in_compressed_blocks_of_vtu(tmp_path: Path) -> None:
         path.write_bytes(flipped(whole, bit))
         with contextlib.suppress(InputError):
             assert same(form.read(path), right), f"bit {bit} changes the result"
+
+
+FOR_PEOPLE = {"model_card.md"}  # nothing is computed from these
+OF_THE_MODEL = sorted({file.name for file in BUNDLED_RUN.iterdir()} - FOR_PEOPLE)
+
+
+@pytest.mark.parametrize("place", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("name", OF_THE_MODEL)
+def test_flips_in_every_file_of_a_run_folder(
+    name: str, place: float, tmp_path: Path
+) -> None:
+    """The bundled model has every kind of file that a prediction depends on."""
+    run = shutil.copytree(BUNDLED_RUN, tmp_path / "run")
+    whole = (run / name).read_bytes()
+    bit = int(place * (8 * len(whole) - 1))
+    (run / name).write_bytes(flipped(whole, bit))
+    with pytest.raises(InputError, match=name):
+        Predictor.load(run, warm=False)

@@ -74,3 +74,10 @@ def test_measured_points_in_another_unit_are_refused(
     check_same_units(shifted, sphere, "surface")
     with pytest.raises(InputError, match=unit):
         check_same_units(shifted / UNITS[unit], sphere, "surface")
+
+
+def test_what_shrinks_to_a_point_is_in_no_other_unit(sphere: np.ndarray) -> None:
+    """A body that reaches the origin is near to anything in micrometres."""
+    body = sphere - sphere[0]
+    check_same_units(body[sphere[:, 2] > 60.0] + (0.0, 0.0, 30.0), body, "surface")
+    check_same_units(np.tile(body[:1] + 5.0, (10, 1)), body, "one point ten times")

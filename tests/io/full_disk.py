@@ -12,6 +12,7 @@ import resource
 import signal
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import nibabel as nib
 import numpy as np
@@ -20,17 +21,23 @@ from matplotlib.figure import Figure
 from safetensors import SafetensorError
 from safetensors.numpy import save_file
 
+from physgnn.dataset import Store
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_load_case, write_mesh
-from physgnn.io.integrity.atomic import whole_file, write_whole
+from physgnn.io.febio.model_writer import write_febio
+from physgnn.io.integrity.atomic import whole_file, whole_folder, write_whole
 from physgnn.io.medical.images.formats import write_image
 from physgnn.io.medical.images.nifti import save_nifti
 from physgnn.io.medical.transforms import save_transform
+from physgnn.io.simulation import Simulation, solution_of
 from physgnn.io.vtk.prediction_file import write_deformed
+from physgnn.io.vtk.series import write_series
 from physgnn.io.vtk.vtu import write_prediction
-from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.loads.paths import LoadCase, LoadPath
+from physgnn.mechanics.materials import NeoHookean
 
 RNG = np.random.default_rng(0)
 
@@ -43,6 +50,9 @@ def mesh_of_cubes() -> TetMesh:
 
 
 MESH = mesh_of_cubes()
+FIXED, LOADED = MESH.point_set("fixed"), MESH.point_set("loaded")
+MATERIALS = {region: NeoHookean(3000.0, 0.45) for region in np.unique(MESH.region)}
+BODY = Body(MESH, MATERIALS, FIXED)
 SHIFT = RNG.normal(size=MESH.points.shape)
 IMAGE = nib.Nifti1Image(RNG.normal(size=(32, 32, 32)).astype(np.float32), np.eye(4))
 
@@ -79,7 +89,70 @@ def torch_weights(path: Path) -> None:
         torch.save({"w": torch.zeros(9000, dtype=torch.float64)}, part)
 
 
-WRITERS = {
+def training_state(path: Path) -> None:
+    import torch
+    from lightning.fabric.plugins import TorchCheckpointIO
+
+    from physgnn.learning.training.callbacks import KeepState
+
+    def save(part: Path) -> None:
+        content = {"w": torch.zeros(9000, dtype=torch.float64)}
+        TorchCheckpointIO().save_checkpoint(content, part)
+
+    KeepState(path, None)._save(
+        SimpleNamespace(is_global_zero=True, save_checkpoint=save)
+    )
+
+
+def network(path: Path) -> None:
+    """Write what an exporter would; the real one is no part of every installation."""
+    from unittest import mock
+
+    import torch
+
+    from physgnn.learning.graph import graph_of
+    from physgnn.learning.physgnn.network import PhysGNN
+    from physgnn.learning.runs.onnx import write_onnx
+
+    def export(*given: object, **_: object) -> None:
+        Path(str(given[2])).write_bytes(bytes(range(256)) * 400)
+
+    with mock.patch.object(torch.onnx, "export", export):
+        write_onnx(PhysGNN(), graph_of(BODY), path)
+
+
+def febio_model(path: Path) -> None:
+    load = LoadPath(LOADED, np.full((len(LOADED), 3), 1e-4), np.array([0.5, 1.0]))
+    write_febio(path, MESH, load, materials=MATERIALS, fixed=FIXED)
+
+
+def store(path: Path) -> None:
+    loads = LoadPath(LOADED, np.full((len(LOADED), 3), 1e-4), np.array([0.5, 1.0]))
+    Store.create(path, MESH, [loads], materials=MATERIALS, fixed=FIXED, provenance={})
+
+
+def series(path: Path) -> None:
+    loads = LoadPath(LOADED, np.full((len(LOADED), 3), 1e-4), np.array([0.5, 1.0]))
+    displacement = np.stack([0.5 * SHIFT, SHIFT])
+    displacement[:, FIXED] = 0.0
+    solution = solution_of(displacement, loads.load_factors)
+    write_series(
+        path, Simulation("here", MESH, FIXED, loads, MATERIALS, lambda: solution)
+    )
+
+
+def run_folder(path: Path) -> None:
+    from physgnn.learning.models import build_model
+    from physgnn.learning.runs.checkpoint import Checkpoint
+
+    with whole_folder(path) as part:
+        Checkpoint(build_model("linear", BODY), {"config": {"model": "linear"}}).save(
+            part
+        )
+
+
+FOLDERS = {"store.zarr": store, "series": series, "run": run_folder}
+FILES = {
     "mesh.vtu": lambda path: write_mesh(path, MESH),
     "rest.vtu": lambda path: write_prediction(path, MESH, {"displacement_mm": SHIFT}),
     "deformed.vtp": lambda path: write_deformed(path, MESH, SHIFT),
@@ -97,6 +170,9 @@ WRITERS = {
     "load.json": lambda path: write_load_case(
         path, LoadCase(np.arange(2000), RNG.normal(size=(2000, 3)))
     ),
+    "last.ckpt": training_state,
+    "model.onnx": network,
+    "model.feb": febio_model,
     "report.html": lambda path: write_whole(path, "<p>" * 30_000 + "</html>"),
 }
 
@@ -107,7 +183,7 @@ def main(folder: Path, n_bytes: int) -> None:
         hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
         resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, hard))
     results = {}
-    for name, write in WRITERS.items():
+    for name, write in {**FILES, **FOLDERS}.items():
         try:
             write(folder / name)
             results[name] = "written"

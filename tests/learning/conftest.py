@@ -29,12 +29,7 @@ def store(block: TetMesh, tmp_path: Path) -> Store:
     ]
     fixed = block.point_set("fixed")
     store = Store.create(
-        tmp_path / "loads.zarr",
-        block,
-        paths,
-        materials=MATERIALS,
-        fixed=fixed,
-        provenance={},
+        tmp_path / "loads.zarr", Body(block, MATERIALS, fixed), paths, provenance={}
     )
     rest = RestState(Body(block, MATERIALS, fixed))
     for i, path in enumerate(paths):

@@ -27,7 +27,7 @@ def test_what_cannot_be_solved_is_refused(block: TetMesh) -> None:
     with pytest.raises(InputError, match=r"one of tet4, tet4-averaged .*'hex8'"):
         Body(block, MATERIALS, element="hex8")
     with pytest.raises(InputError, match=r"three points .*got 2"):
-        Body(block, MATERIALS, np.array([1, 2, 2]))
+        Body(block, MATERIALS, np.array([1, 2, 2])).pattern  # noqa: B018
     with pytest.raises(InputError, match="fixed points must index"):
         Body(block, MATERIALS, np.array([-1, 0, 1]))
     with pytest.raises(InputError, match="no point set 'skull'"):

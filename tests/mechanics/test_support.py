@@ -4,7 +4,15 @@ import pytest
 from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh, without_unused_points
-from physgnn.mechanics import Body, NeoHookean
+from physgnn.mechanics import (
+    Body,
+    Gravity,
+    LoadPath,
+    NeoHookean,
+    PrescribedDisplacement,
+    Solver,
+)
+from physgnn.mechanics.equilibrium.full_newton import Newton
 from physgnn.mechanics.support import check_held
 
 BLOCK = block_mesh(2)
@@ -71,4 +79,38 @@ def test_halves_whose_points_were_not_merged_are_refused() -> None:
     )  # fmt: skip
     materials = dict.fromkeys((0, 1), NeoHookean(3000.0, 0.45))
     with pytest.raises(InputError, match="merge points that coincide"):
-        Body(mesh, materials)
+        Body(mesh, materials).pattern  # noqa: B018
+
+
+MATERIALS = {0: NeoHookean(3000.0, 0.4), 1: NeoHookean(3000.0, 0.4)}
+NOTHING = np.empty(0, dtype=np.int64)
+
+
+def moved(points: np.ndarray) -> LoadPath:
+    """A load that moves some points of the block by 0.1 mm along x, and no more."""
+    shift = np.tile([0.1, 0.0, 0.0], (len(points), 1))
+    return LoadPath.of(np.ones(1), PrescribedDisplacement(points, shift))
+
+
+def test_a_load_may_hold_the_body_alone() -> None:
+    """Its bottom is moved: the whole block follows without strain."""
+    body, path = Body(BLOCK, MATERIALS, NOTHING), moved(bottom(BLOCK))
+    for u in (
+        Solver(body).solve(path).displacement[0],
+        Newton(body).solve(path, np.zeros_like(BLOCK.points)),
+    ):
+        np.testing.assert_allclose(u, np.tile([0.1, 0, 0], (len(u), 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize("fixed", [NOTHING, np.array([0, 1])], ids=["none", "two"])
+@pytest.mark.parametrize("load", ["gravity", "one point"])
+def test_a_load_that_leaves_the_body_free_is_refused(fixed, load) -> None:  # type: ignore[no-untyped-def]
+    """Gravity holds nothing, and one point more does not hold what none or two do."""
+    fall = LoadPath.of(np.ones(1), Gravity((0.0, 0.0, -1.0)))
+    path = fall if load == "gravity" else moved(np.array([2]))
+    for solve in (
+        Solver(Body(BLOCK, MATERIALS, fixed)).solve,
+        lambda p: Newton(Body(BLOCK, MATERIALS, fixed)).solve(p, 0 * BLOCK.points),
+    ):
+        with pytest.raises(InputError, match=r"must be fixed|must hold the whole"):
+            solve(path)

@@ -26,10 +26,8 @@ def store(block: TetMesh, tmp_path_factory: pytest.TempPathFactory) -> Store:
         paths.append(LoadPath(top, forces, np.arange(1, 4) / 3))
     store = Store.create(
         tmp_path_factory.mktemp("prediction") / "loads.zarr",
-        block,
+        Body(block, MATERIALS, block.point_set("fixed")),
         paths,
-        materials=MATERIALS,
-        fixed=block.point_set("fixed"),
         provenance={},
     )
     generate(store)

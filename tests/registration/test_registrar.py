@@ -236,3 +236,15 @@ def test_modes_are_scaled_and_their_responses_linear_elasticity(body: TetMesh) -
     assert set(modes.family) == {0, 1, 2} and len(modes.names) == 3
     total = modes.forces[modes.family == 0].sum(axis=1)
     np.testing.assert_allclose(total, np.diag(total.diagonal()), atol=1e-6)
+
+
+@pytest.mark.parametrize("factor", [0.001, 0.1])
+@pytest.mark.parametrize("kind", ["pairs", "surface"])
+def test_another_unit_is_refused(
+    registrar: Registrar, body: TetMesh, kind: str, factor: float
+) -> None:
+    """In metres, 30 mm of misfit and nothing moved came of it."""
+    top = body.points[body.point_set("loaded")] * factor
+    given = PointPairs(top, top) if kind == "pairs" else SurfacePoints(top)
+    with pytest.raises(InputError, match="must be in mm"):
+        registrar(given)

@@ -1,10 +1,7 @@
-"""The page in a real browser: node, playwright-core and Chromium.
+"""The page in a real browser: tests/browser.py says what that needs.
 
-Set PHYSGNN_PLAYWRIGHT to the folder of playwright-core (``npm install playwright-core``
-anywhere; the folder is node_modules/playwright-core), PHYSGNN_CHROMIUM if Chromium is
-not on the path. With PHYSGNN_REQUIRE_BROWSER, as in .ci/run, it is an error if they
-are missing. PHYSGNN_VIEW_RUN names a trained run to show instead of the block;
-empty means the bundled model.
+PHYSGNN_VIEW_RUN names a trained run to show instead of the block; empty means the
+bundled model.
 """
 
 import asyncio
@@ -16,9 +13,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser_tools import browser_tools
 from live_server import serving
 
+from browser import browser_tools
 from physgnn.io import read_load_case
 from physgnn.serving.protocol.messages import PatchLoad
 from physgnn.serving.scene.colours import FIELDS, TISSUE, ColourField

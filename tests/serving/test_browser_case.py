@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser_tools import browser_tools
 from case_on_show import case_engine, csv_of, sunk_pairs, write_case
 from live_server import serving
 
+from browser import browser_tools
 from physgnn.config import read_preset
 from physgnn.io import read_mesh
 from physgnn.io.vtk.prediction_file import read_displacement

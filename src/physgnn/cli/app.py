@@ -1,5 +1,6 @@
 """The commands: each parses, calls its function in `physgnn.stages`, and prints."""
 
+import inspect
 import sys
 
 import typer
@@ -11,11 +12,13 @@ from physgnn.cli import (
     materials,
     patients,
     predictions,
+    segmenting,
     simulation,
     training,
     viewing,
 )
 from physgnn.errors import InputError
+from physgnn.stages.naming import COMMANDS
 
 app = typer.Typer(
     help="Real-time prediction of brain deformation: mesh, finite elements, networks.",
@@ -24,27 +27,33 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-app.command()(simulation.mesh)
-app.command()(simulation.simulate)
-app.command()(training.train)
-app.command()(predictions.evaluate)
-app.command()(predictions.predict)
-app.command()(exchange.export)
-app.command("import")(exchange.import_results)
-app.command()(experiments.demo)
-app.command(hidden=True)(experiments.bundle)
-app.command()(experiments.published)
-app.command()(experiments.selftest)
-app.command()(experiments.reproduce)
-app.command()(experiments.ablate)
-app.command()(materials.fit_material)
-app.command()(patients.anatomies)
-app.command()(patients.adapt)
-app.command()(patients.batch)
-app.command()(images.warp)
-app.command()(images.register)
-app.command()(viewing.view)
-app.command()(exchange.slicer)
+MODULES = (
+    segmenting,
+    simulation,
+    training,
+    predictions,
+    exchange,
+    experiments,
+    materials,
+    patients,
+    images,
+    viewing,
+)
+"""Every public function that one of these defines is a command, in this order."""
+HIDDEN = frozenset({"bundle"})
+"""Commands that the help does not list: they are for those who make a release."""
+NAMES = {function: command for command, function in COMMANDS.items()}
+
+
+def _register() -> None:
+    for module in MODULES:
+        for name, function in vars(module).items():
+            its_own = getattr(function, "__module__", "") == module.__name__
+            if its_own and inspect.isfunction(function) and not name.startswith("_"):
+                app.command(NAMES[name], hidden=name in HIDDEN)(function)
+
+
+_register()
 
 
 def run() -> int:

@@ -4,7 +4,8 @@ import platform
 import sys
 import tempfile
 import traceback
-from importlib.metadata import version
+
+from physgnn.versions import release
 
 
 def write_report(error: Exception) -> str:
@@ -12,7 +13,7 @@ def write_report(error: Exception) -> str:
     what = " ".join(f"{type(error).__name__}: {error}".split())[:200]
     text = "\n".join(
         [
-            f"physgnn {version('physgnn')}, Python {platform.python_version()}",
+            f"physgnn {release('physgnn')}, Python {platform.python_version()}",
             platform.platform(),
             "arguments: " + repr(sys.argv[1:]),
             "".join(traceback.format_exception(error)),

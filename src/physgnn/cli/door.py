@@ -13,6 +13,9 @@ from contextlib import suppress
 from types import FrameType
 
 FAILED, WRONG_INPUT = 1, 2
+# Python's tracker of shared memory cleans up after a process that a signal ended, and
+# says so, after our last line, unless a warning filter that it inherits says not to.
+OF_THE_TRACKER = "ignore:resource_tracker:UserWarning"
 
 
 def main(module: str = "physgnn.cli.app") -> None:
@@ -22,13 +25,17 @@ def main(module: str = "physgnn.cli.app") -> None:
 
 
 def _code(module: str) -> int:
-    _end_at_once_on_signals()
+    sys.warnoptions.append(OF_THE_TRACKER)
+    # In a terminal Ctrl-C goes to all processes. The first one started the others such
+    # that they ignore it, and ends them.
+    numbers = (signal.SIGTERM,) if _is_other_rank() else (signal.SIGINT, signal.SIGTERM)
+    _end_at_once_on_signals(numbers)
     from importlib import import_module
 
     from physgnn import interrupts
 
     run = import_module(module).run
-    interrupts.install()
+    interrupts.install(numbers)
     code = _guarded(run)
     number = interrupts.received()
     return code if number is None else _interrupted(number)
@@ -78,7 +85,7 @@ def _interrupted(number: int) -> int:
     return 128 + number
 
 
-def _end_at_once_on_signals() -> None:
+def _end_at_once_on_signals(numbers: tuple[signal.Signals, ...]) -> None:
     """End on a signal while modules are imported: nothing needs cleaning up yet.
 
     An exception would be printed, or lost, by whichever import it hits.
@@ -90,14 +97,18 @@ def _end_at_once_on_signals() -> None:
         os._exit(128 + number)
 
     with suppress(ValueError):  # not the main thread
-        signal.signal(signal.SIGINT, end)
-        signal.signal(signal.SIGTERM, end)
+        for number in numbers:
+            signal.signal(number, end)
 
 
 def _silence_other_ranks() -> None:
     """Of processes that train together, the first speaks for all."""
-    if int(os.environ.get("LOCAL_RANK", 0)) > 0:
+    if _is_other_rank():
         sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: PTH123, SIM115
+
+
+def _is_other_rank() -> bool:
+    return int(os.environ.get("LOCAL_RANK", 0)) > 0
 
 
 def _nobody_reads() -> int:

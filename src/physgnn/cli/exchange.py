@@ -73,7 +73,7 @@ def import_results(
     element: Annotated[
         choices.Element,
         typer.Option(help="Take the results for those of this finite element."),
-    ] = choices.Element.TET4,
+    ] = "tet4",
 ) -> None:
     """Make a dataset of another solver's results."""
     with progress("importing") as move:

@@ -36,7 +36,7 @@ def reproduce(
             help="Count the hours by this clock: processor time is that of all threads "
             "together, which other work on the machine does not shorten."
         ),
-    ] = choices.Clock.WALL,
+    ] = "wall",
 ) -> None:
     """Repeat the published protocol beside the paper's tables; call it to resume."""
     print(
@@ -72,12 +72,12 @@ def ablate(
     ] = 3,
     split: Annotated[
         choices.SplitName, typer.Option(help="Hold out samples this way.")
-    ] = choices.SplitName.PUBLISHED,
+    ] = "published",
     width: Annotated[
         int,
         typer.Option(help="Give the networks this width; the published one is 112."),
     ] = 112,
-    precision: PrecisionOption = choices.PrecisionName.FLOAT32,
+    precision: PrecisionOption = "float32",
 ) -> None:
     """Compare configurations 1 to 12 at a reduced budget; call it again to resume."""
     with progress("ablation") as move:

@@ -116,10 +116,11 @@ def register(
         typer.Option(
             help="Hold the fixed points fast, or let them slide along the skull."
         ),
-    ] = choices.Skull.FIXED,
+    ] = "fixed",
     materials: Materials = None,
     form: Form = None,
     image: Grid = None,
+    affine: AffineOption = None,
 ) -> None:
     """Find the whole displacement from what was measured on the surface.
 
@@ -137,6 +138,7 @@ def register(
             materials=materials,
             form=form,
             image=image,
+            affine=affine,
             log=say,
         )
     status = found.prediction.status

@@ -22,14 +22,14 @@ def fit_material(
     ],
     law: Annotated[
         choices.FittedLaw, typer.Option(help="Fit this law of elasticity.")
-    ] = choices.FittedLaw.OGDEN,
+    ] = "ogden",
     terms: Annotated[
         int, typer.Option(min=1, max=2, help="Give Ogden's law one term or two.")
     ] = 1,
     unit: Annotated[
         choices.StressUnit,
         typer.Option(help="Read stresses in this unit where their column names none."),
-    ] = choices.StressUnit.KPA,
+    ] = "kpa",
     poissons_ratio: Annotated[
         float | None,
         typer.Option(

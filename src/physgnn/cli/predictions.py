@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from physgnn import choices, stages
-from physgnn.cli.console import conclude, progress, working
-from physgnn.cli.options import Displacement, Form, Grid, PrecisionOption
+from physgnn.cli.console import conclude, progress, say, working
+from physgnn.cli.options import AffineOption, Displacement, Form, Grid, PrecisionOption
 
 
 def evaluate(
@@ -23,7 +23,7 @@ def evaluate(
         typer.Option(
             help="Test on the samples that this split holds out; mesh needs --store."
         ),
-    ] = choices.SplitName.PATH,
+    ] = "path",
     store: Annotated[
         Path | None,
         typer.Option(
@@ -34,9 +34,9 @@ def evaluate(
     baselines: Annotated[
         str,
         typer.Option(
-            help="Compare with these: quick, all, or names with commas between. The "
-            "names are zero, linear, interpolation, pod-network, extra-trees, mlp, "
-            "galerkin, reduced and finite-element, or module:Class."
+            help="Compare with these: quick, all, or names with commas between. They "
+            "may be whatever has no steps of training among "
+            f"{', '.join(choices.names('ModelName'))}, or module:Class."
         ),
     ] = "quick",
     tolerance_mm: Annotated[
@@ -52,7 +52,7 @@ def evaluate(
             "the last run's.",
         ),
     ] = None,
-    precision: PrecisionOption = choices.PrecisionName.FLOAT32,
+    precision: PrecisionOption = "float32",
 ) -> None:
     """Measure trained networks on held-out samples: tables, figures, report."""
     with progress("evaluating") as move:
@@ -99,7 +99,7 @@ def predict(
     linear: Annotated[
         bool, typer.Option("--linear", help="Write the linear solution beside it.")
     ] = False,
-    precision: PrecisionOption = choices.PrecisionName.FLOAT32,
+    precision: PrecisionOption = "float32",
     estimate: Annotated[
         choices.Estimate,
         typer.Option(
@@ -108,6 +108,7 @@ def predict(
             "bound."
         ),
     ] = choices.Estimate.PHYSICAL,
+    affine: AffineOption = None,
 ) -> None:
     """Predict the displacement under one load case.
 
@@ -124,6 +125,8 @@ def predict(
             linear=linear,
             precision=precision,
             estimate=estimate,
+            affine=affine,
+            log=say,
         )
     largest = (found.displacement**2).sum(axis=1).max() ** 0.5
     bounds, likely = found.error_estimate_mm, found.likely_error_mm

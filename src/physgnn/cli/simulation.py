@@ -32,9 +32,9 @@ def mesh(
         str,
         typer.Option(
             help="Which label is which tissue: the name of a convention (mask, "
-            "freesurfer, brats, or exactly one of brats-2020, brats-2023, brats-post "
-            "and msd) or a list such as brain=1,tumour=4. Names of segments, or of "
-            "groups of cells, may stand for numbers."
+            "segment, freesurfer, brats, or exactly one of brats-2020, brats-2023, "
+            "brats-post and msd) or a list such as brain=1,tumour=4. Names of "
+            "segments, or of groups of cells, may stand for numbers."
         ),
     ] = "mask",
     brain_mask: Annotated[
@@ -159,7 +159,7 @@ def simulate(
     ] = None,
     solver: Annotated[
         choices.SolverName, typer.Option(help="Solve by this program.")
-    ] = choices.SolverName.PHYSGNN,
+    ] = "physgnn",
 ) -> None:
     """Solve load paths by finite elements; call it again to resume."""
     with progress("simulating") as move:

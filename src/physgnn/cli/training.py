@@ -28,10 +28,9 @@ def train(
     model: Annotated[
         str | None,
         typer.Option(
-            help="Train this model: lifted (the default) or physgnn; or fit one that "
-            "has no steps: reduced, galerkin, pod-network, extra-trees, mlp, "
-            "interpolation, linear, finite-element, zero; or one of your own, as "
-            "module:Class."
+            help="Train this model, lifted by default: one of "
+            f"{', '.join(choices.names('ModelName'))}; or one of your own, as "
+            "module:Class. What has no steps of training is fitted."
         ),
     ] = None,
     configuration: Annotated[

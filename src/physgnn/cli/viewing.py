@@ -7,6 +7,7 @@ import typer
 
 from physgnn import stages
 from physgnn.cli.console import say
+from physgnn.cli.options import AffineOption
 
 
 def view(
@@ -46,12 +47,14 @@ def view(
         bool,
         typer.Option("--igtl-surfaces", help="Stream the deformed surfaces too."),
     ] = False,
+    affine: AffineOption = None,
 ) -> None:
     """Load the brain in the browser and see it deform."""
     stages.view(
         path,
         port=port,
         image=image,
+        affine=affine,
         igtl=igtl,
         igtl_surfaces=igtl_surfaces,
         save=save,

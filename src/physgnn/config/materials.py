@@ -86,6 +86,16 @@ def read_materials(path: str | Path | None) -> dict[int, Material]:
 
     Regions it does not name, or all if there is no file, have the published materials.
 
+    Parameters
+    ----------
+    path : path or None
+        The TOML file.
+
+    Returns
+    -------
+    dict of int to Material
+        By region: 0 brain, 1 tumour, 2 ventricle.
+
     Raises
     ------
     InputError

@@ -27,6 +27,16 @@ RULES_BY_NAME: Any = dict[str, RULE]
 def read_point_sets(path: str | Path) -> dict[str, Rule]:
     """Read only the rules of the point sets of a TOML file; other tables may be there.
 
+    Parameters
+    ----------
+    path : path
+        The TOML file.
+
+    Returns
+    -------
+    dict of str to Rule
+        By the name of the point set.
+
     Raises
     ------
     InputError

@@ -160,6 +160,16 @@ class SimulationTable(ConfigTable):
 def read_preset(path: str | Path) -> Preset:
     """Read what to simulate from a TOML file.
 
+    Parameters
+    ----------
+    path : path
+        The TOML file.
+
+    Returns
+    -------
+    Preset
+        Point sets, materials, element and load paths.
+
     Raises
     ------
     InputError

@@ -78,7 +78,18 @@ class ConfigTable(BaseModel):
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
-    """Return the tables of a TOML file; InputError says where it is broken."""
+    """Return the tables of a TOML file; InputError says where it is broken.
+
+    Parameters
+    ----------
+    path : path
+        The TOML file.
+
+    Returns
+    -------
+    dict
+        The tables, by name.
+    """
     return read_toml_text(path)
 
 
@@ -95,6 +106,11 @@ def read_as(kind: Any, table: Any, file: str | Path, *, at: Place = ()) -> Any:
         For the message.
     at : tuple
         Where in the file the table stands.
+
+    Returns
+    -------
+    any
+        What `kind` makes of it.
 
     Raises
     ------

@@ -25,6 +25,20 @@ def read_training(
     Where neither names a model it is `default_model`, or the published one if an option
     is its own.
 
+    Parameters
+    ----------
+    path : path or None
+        The TOML file; None for defaults and `changes` alone.
+    default_model : str
+        What is trained where neither names a model.
+    **changes
+        Fields of the configuration.
+
+    Returns
+    -------
+    TrainingConfig
+        The configuration.
+
     Raises
     ------
     InputError

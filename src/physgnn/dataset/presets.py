@@ -6,7 +6,6 @@ from functools import partial
 
 import numpy as np
 
-from physgnn import choices
 from physgnn.dataset.load_rules import Paths
 from physgnn.errors import InputError
 from physgnn.geometry import point_sets
@@ -87,13 +86,13 @@ BRAIN_AND_TUMOUR: Mapping[int, Material] = {
 PUBLISHED_FIXED = HalfSpace((20.0, 0.0), (80.0, 90.0, 120.0), "<", 265.0)
 
 PRESETS: Mapping[str, Preset] = {
-    choices.PresetName.PAPER_1: Preset(
+    "paper-1": Preset(
         BRAIN_AND_TUMOUR,
         partial(single_node_paths, force_n=1.35, n_levels=30),
         fixed=PUBLISHED_FIXED,
         loaded=HalfSpace((15.0, 20.0), (80.0, 110.0, 130.0), ">", 275.5),
     ),
-    choices.PresetName.PAPER_2: Preset(
+    "paper-2": Preset(
         BRAIN_AND_TUMOUR,
         partial(all_node_paths, total_force_n=20.0, n_levels=30, n_paths=165),
         fixed=PUBLISHED_FIXED,
@@ -101,7 +100,7 @@ PRESETS: Mapping[str, Preset] = {
     ),
     # A craniotomy over the tumour of the bundled MNI152 case; skull over the rest. The
     # smallest patches are one node.
-    choices.PresetName.DEMO: Preset(
+    "demo": Preset(
         BRAIN_AND_TUMOUR,
         partial(
             patch_load_paths,
@@ -116,7 +115,7 @@ PRESETS: Mapping[str, Preset] = {
         loaded=Nearest((39.7, 8.8, 62.5), 60),
     ),
     # Loads as strong as the second published set's, on whatever the mesh lays open.
-    choices.PresetName.FAMILY: Preset(
+    "family": Preset(
         BRAIN_AND_TUMOUR,
         partial(traction_paths, traction_pa=2200.0, n_levels=10, n_paths=6),
     ),

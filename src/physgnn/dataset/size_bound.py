@@ -1,12 +1,10 @@
 """A bound on what a dataset may take, before anything is drawn or written."""
 
-import os
-
 from physgnn.errors import InputError
+from physgnn.memory_limits import GB, gigabytes
 
 VARIABLE = "PHYSGNN_DATASET_LIMIT_GB"
 LIMIT_GB = 100.0
-GB = 1e9
 LARGEST_NUMBER = 10**300  # a file may hold integers beyond any float
 # Nine small files of a path, each a block of the file system.
 BYTES_BESIDE = 9 * 4096
@@ -29,21 +27,10 @@ def check_dataset_size(n_paths: int, n_levels: int, n_points: int) -> None:
     """
     n_bytes = n_paths * (BYTES_OF_NUMBERS * n_levels * n_points + BYTES_BESIDE)
     size = min(n_bytes, LARGEST_NUMBER) / GB
-    limit = _limit()
+    limit = gigabytes(VARIABLE, LIMIT_GB)
     if size > limit:
         raise InputError(
             f"{n_paths} load paths of {n_levels} levels on {n_points} points would "
             f"take {size:.3g} GB on disk, and may take {limit:g} GB: ask for fewer, or "
             f"set {VARIABLE}={size * 1.01:.3g} if so many are meant"
         )
-
-
-def _limit() -> float:
-    text = os.environ.get(VARIABLE, "")
-    try:
-        limit = float(text) if text else LIMIT_GB
-    except ValueError:
-        limit = 0.0
-    if not 0.0 < limit < float("inf"):
-        raise InputError(f"{VARIABLE} must be a number of GB > 0 (got '{text}')")
-    return limit

@@ -6,7 +6,7 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.storage.store import Store
 
 
-def sample_forces(store: Store, samples: IntArray) -> FloatArray:
+def strongest_forces(store: Store, samples: IntArray) -> FloatArray:
     """Return each path's strongest load among samples, (n_paths, n_points, 3), N."""
     paths, first = np.unique(samples[:, 0], return_inverse=True)
     top = np.zeros(len(paths), dtype=np.int64)

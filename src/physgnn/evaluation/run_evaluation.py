@@ -97,6 +97,11 @@ def evaluate_runs(
     progress : callable, optional
         Called with (done, total, text) after every sample.
 
+    Returns
+    -------
+    Report
+        Errors of each row of the table, mm, and its seconds.
+
     Raises
     ------
     InputError
@@ -125,7 +130,20 @@ def evaluate_runs(
 def evaluate_run(
     run: str | Path, store_path: str | Path, split: str | Split = "path", **options: Any
 ) -> Report:
-    """Evaluate one run; as `evaluate_runs` of it alone."""
+    """Evaluate one run; as `evaluate_runs` of it alone.
+
+    Parameters
+    ----------
+    run : path
+        Folder of a trained model.
+    store_path, split, **options
+        See `evaluate_runs`.
+
+    Returns
+    -------
+    Report
+        Errors of each row of the table, mm, and its seconds.
+    """
     return evaluate_runs([run], store_path, split, **options)
 
 
@@ -168,7 +186,21 @@ def write_evaluation(
     folder: Path,
     bars: Sequence[BarSample] = (),
 ) -> None:
-    """Write metrics.json, error-bars.json, figures/ and report.html into a folder."""
+    """Write metrics.json, error-bars.json, figures/ and report.html into a folder.
+
+    Parameters
+    ----------
+    report : Report
+        What was measured.
+    store : Store
+        The dataset that it was measured on.
+    predictor : Predictor
+        Of the run that the report is about; it draws the scenes.
+    folder : path
+        Where the files go; made if it is not there.
+    bars : sequence of BarSample
+        Errors and their bounds; without any, there is no figure of them.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     files = EvaluationFolder(folder)
     report.write(files.metrics)

@@ -13,6 +13,16 @@ def boundary_faces(mesh: TetMesh) -> FaceArray:
     """Return the faces of one cell only, outward, shape (n_faces, 3).
 
     A tumour's surface lies between two cells and is not among them.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The mesh; lengths in mm.
+
+    Returns
+    -------
+    (n_faces, 3) array of int32
+        Point indices, counter-clockwise seen from outside.
     """
     return _faces_of_one(mesh.cells)
 
@@ -32,10 +42,32 @@ def _faces_of_one(cells: NDArray[np.int32]) -> FaceArray:
 
 
 def boundary_points(mesh: TetMesh) -> IntArray:
-    """Return the points of the outer boundary, ascending."""
+    """Return the points of the outer boundary, ascending.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The mesh; lengths in mm.
+
+    Returns
+    -------
+    (n_boundary_points,) array of int64
+        Point indices.
+    """
     return np.unique(boundary_faces(mesh)).astype(np.int64)
 
 
 def boundary_surface(mesh: TetMesh) -> Surface:
-    """Return the outer boundary over all points of the mesh, so indices agree."""
+    """Return the outer boundary over all points of the mesh, so indices agree.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The mesh; lengths in mm.
+
+    Returns
+    -------
+    Surface
+        All points of the mesh, mm, and its outer faces.
+    """
     return Surface(mesh.points, boundary_faces(mesh))

@@ -10,6 +10,16 @@ def face_normals(surface: Surface) -> FloatArray:
     """Return the outward unit normal of every face, shape (n_faces, 3).
 
     A face without area has the zero vector.
+
+    Parameters
+    ----------
+    surface : Surface
+        Triangles, counter-clockwise seen from outside; mm.
+
+    Returns
+    -------
+    (n_faces, 3) array
+        Unit vectors, without a unit of measure.
     """
     return _unit(area_vectors(surface.points, surface.faces))
 
@@ -20,6 +30,16 @@ def vertex_normals(surface: Surface) -> FloatArray:
     The mean of the unit normals of the adjacent faces, made a unit vector again,
     which is what the published loads were built with; its negative points into
     the tissue. A point of no face has the zero vector.
+
+    Parameters
+    ----------
+    surface : Surface
+        Triangles, counter-clockwise seen from outside; mm.
+
+    Returns
+    -------
+    (n_points, 3) array
+        Unit vectors.
     """
     total = np.zeros_like(surface.points)
     np.add.at(total, surface.faces, face_normals(surface)[:, None, :])

@@ -23,6 +23,7 @@ UNITS = {"metres": 1000.0, "centimetres": 10.0, "inches": 25.4, "micrometres": 0
 # Measured points are taken for another unit if in it they lie this many times nearer
 # to the body.
 TIMES_NEARER = 3.0
+LEAST_EXTENT, MOST_EXTENT = 0.02, 3.0  # of theirs, in parts of the body's
 
 
 def check_millimetres(points: FloatArray, what: str) -> None:
@@ -103,7 +104,8 @@ def check_volume_ml(
 def check_same_units(points: FloatArray, body: FloatArray, what: str) -> None:
     """Check that measured points are in the unit of the body they were measured on.
 
-    Points in another unit lie far from the body, and near to it once multiplied.
+    Points in another unit lie far from the body, and near to it once multiplied, with
+    an extent that can be measured on it: what shrinks to a point fits anywhere.
 
     Parameters
     ----------
@@ -118,19 +120,23 @@ def check_same_units(points: FloatArray, body: FloatArray, what: str) -> None:
     Raises
     ------
     InputError
-        If their spread is no length in mm, or they fit the body three times better
-        in metres, centimetres, inches or micrometres.
+        If they fit the body three times better in metres, centimetres, inches or
+        micrometres.
     """
-    check_millimetres(points, what)
     tree = KDTree(body)
+    extent, whole = (float(np.linalg.norm(np.ptp(x, axis=0))) for x in (points, body))
 
     def distance(factor: float) -> float:
         return float(np.median(tree.query(points * factor)[0]))
 
     as_is = distance(1.0)
-    far = {unit: distance(mm) for unit, mm in UNITS.items()}
-    unit = min(far, key=far.__getitem__)
-    if far[unit] * TIMES_NEARER < as_is:
+    far = {
+        unit: distance(mm)
+        for unit, mm in UNITS.items()
+        if LEAST_EXTENT * whole <= extent * mm <= MOST_EXTENT * whole
+    }
+    unit = min(far, key=far.__getitem__, default="mm")
+    if unit in far and far[unit] * TIMES_NEARER < as_is:
         raise InputError(
             f"{what}: measured points must be in mm, in the place of the body (they "
             f"lie {as_is:.3g} mm from it, and {far[unit]:.3g} mm if they are in "

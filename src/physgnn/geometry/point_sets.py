@@ -204,6 +204,11 @@ def select(body: TetMesh | Surface, rule: Rule) -> IntArray:
     rule : HalfSpace, Sphere, Nearest, Union or Complement
         The rule.
 
+    Returns
+    -------
+    (n_selected,) array of int64
+        Point indices.
+
     Raises
     ------
     InputError

@@ -59,19 +59,51 @@ def volume(surface: Surface) -> float:
 
     The divergence theorem over tetrahedra from the surface's first point, which
     keeps the digits of a small surface far from the origin.
+
+    Parameters
+    ----------
+    surface : Surface
+        Closed triangles, counter-clockwise seen from outside; mm.
+
+    Returns
+    -------
+    float
+        mm³.
     """
     a, b, c = np.moveaxis((surface.points - surface.points[0])[surface.faces], 1, 0)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
 
 def edges(surface: Surface) -> FaceArray:
-    """Return every undirected edge once, shape (n_edges, 2), smaller index first."""
+    """Return every undirected edge once, shape (n_edges, 2), smaller index first.
+
+    Parameters
+    ----------
+    surface : Surface
+        Triangles, counter-clockwise seen from outside; mm.
+
+    Returns
+    -------
+    (n_edges, 2) array of int32
+        Point indices, sorted.
+    """
     unique: FaceArray = np.unique(np.sort(directed_edges(surface.faces), 1), axis=0)
     return unique
 
 
 def edge_lengths(surface: Surface) -> FloatArray:
-    """Return the length of every undirected edge in mm, shape (n_edges,)."""
+    """Return the length of every undirected edge in mm, shape (n_edges,).
+
+    Parameters
+    ----------
+    surface : Surface
+        Triangles, counter-clockwise seen from outside; mm.
+
+    Returns
+    -------
+    (n_edges,) array
+        mm, in the order of `edges`.
+    """
     start, end = surface.points[edges(surface)].transpose(1, 0, 2)
     lengths: FloatArray = np.linalg.norm(end - start, axis=1)
     return lengths
@@ -83,7 +115,18 @@ def directed_edges(faces: FaceArray) -> FaceArray:
 
 
 def merge(surfaces: list[Surface]) -> Surface:
-    """Return the surfaces as one, points sorted by (x, y, z) duplicates removed."""
+    """Return the surfaces as one, points sorted by (x, y, z) duplicates removed.
+
+    Parameters
+    ----------
+    surfaces : list of Surface
+        In mm, one at least.
+
+    Returns
+    -------
+    Surface
+        All of their faces, in their order.
+    """
     starts = np.cumsum([0, *(surface.n_points for surface in surfaces)])
     faces = [
         surface.faces + start for surface, start in zip(surfaces, starts, strict=False)
@@ -93,7 +136,20 @@ def merge(surfaces: list[Surface]) -> Surface:
 
 
 def merge_points(points: FloatArray, faces: FaceArray) -> Surface:
-    """Return a surface in which equal points are one, sorted by (x, y, z)."""
+    """Return a surface in which equal points are one, sorted by (x, y, z).
+
+    Parameters
+    ----------
+    points : (n_points, 3) array
+        mm.
+    faces : (n_faces, 3) array of int
+        Indices of points.
+
+    Returns
+    -------
+    Surface
+        The same faces over points that differ.
+    """
     surface = Surface(points, faces)
     unique, index = np.unique(surface.points, axis=0, return_inverse=True)
     return Surface(unique, index.reshape(-1)[surface.faces].astype(np.int32))

@@ -70,6 +70,11 @@ def forward_field(
     fade_mm : float, optional
         By default four times the largest displacement, and 10 mm at least.
 
+    Returns
+    -------
+    DisplacementField
+        u at each voxel, mm RAS.
+
     Raises
     ------
     InputError
@@ -87,7 +92,24 @@ def inverse_field(
     *,
     fade_mm: float | None = None,
 ) -> DisplacementField:
-    """Return v = X − x at the voxels of the deformed state; see `forward_field`."""
+    """Return v = X − x at the voxels of the deformed state; see `forward_field`.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The rest state; mm.
+    displacement : (n_points, 3) array
+        u of each point of the mesh, mm.
+    grid : ImageGrid
+        Voxels to sample at, RAS.
+    fade_mm : float, optional
+        See `forward_field`.
+
+    Returns
+    -------
+    DisplacementField
+        v at each voxel, mm RAS: what resampling an image takes.
+    """
     u = _checked(mesh, displacement)
     vectors, cell = rasterize(mesh.points + u, mesh.cells, -u, grid)
     return _extended(vectors, cell >= 0, grid, "inverse", _fade(u, fade_mm))
@@ -96,7 +118,22 @@ def inverse_field(
 def grid_around(
     mesh: TetMesh, *, spacing_mm: float = 2.0, margin_mm: float = 30.0
 ) -> ImageGrid:
-    """Return an RAS grid that holds a mesh with a margin, for want of an image."""
+    """Return an RAS grid that holds a mesh with a margin, for want of an image.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The mesh; lengths in mm.
+    spacing_mm : float
+        Edge of a voxel.
+    margin_mm : float
+        Between the mesh and the first and last voxel, on each axis.
+
+    Returns
+    -------
+    ImageGrid
+        Shape and affine of the voxels.
+    """
     low = mesh.points.min(axis=0) - margin_mm
     high = mesh.points.max(axis=0) + margin_mm
     shape = np.ceil((high - low) / spacing_mm).astype(int) + 1
@@ -111,6 +148,18 @@ def round_trip_mm(forward: DisplacementField, inverse: DisplacementField) -> Flo
     u is interpolated linearly between voxels, as every program that reads the field
     does. Voxels whose X has a neighbour without brain are left out: there it is the
     extension that counts.
+
+    Parameters
+    ----------
+    forward : DisplacementField
+        u at the voxels of the rest state, mm.
+    inverse : DisplacementField
+        v at the voxels of the deformed state, mm.
+
+    Returns
+    -------
+    (n_voxels,) array
+        Distances, mm.
     """
     inside = inverse.inside
     x = inverse.grid.to_world(np.argwhere(inside))

@@ -6,16 +6,15 @@ from dataclasses import replace
 import numpy as np
 import SimpleITK as sitk
 
-from physgnn import choices
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.imaging.field import DisplacementField
 from physgnn.imaging.transforms import from_itk, resampling_transform, to_itk
 
 INTERPOLATIONS: Mapping[str, int] = {
-    choices.Interpolation.LINEAR: sitk.sitkLinear,
-    choices.Interpolation.NEAREST: sitk.sitkNearestNeighbor,
-    choices.Interpolation.CUBIC: sitk.sitkBSpline,
+    "linear": sitk.sitkLinear,
+    "nearest": sitk.sitkNearestNeighbor,
+    "cubic": sitk.sitkBSpline,
 }
 
 

@@ -21,7 +21,22 @@ def cell_jacobians(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
 
 
 def jacobian_image(mesh: TetMesh, displacement: FloatArray, grid: ImageGrid) -> Image:
-    """Return det F at the voxels of the rest state, float32; 1 outside of the mesh."""
+    """Return det F at the voxels of the rest state, float32; 1 outside of the mesh.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The rest state; mm.
+    displacement : (n_points, 3) array
+        u of each point of the mesh, mm.
+    grid : ImageGrid
+        Voxels to sample at, RAS.
+
+    Returns
+    -------
+    Image
+        det F, without a unit of measure.
+    """
     _, cell = rasterize(mesh.points, mesh.cells, np.empty((mesh.n_points, 0)), grid)
     values = np.append(cell_jacobians(mesh, displacement), 1.0)
     return Image(values[cell].astype(np.float32), grid.affine)
@@ -61,7 +76,22 @@ class Folding:
 def folding(
     mesh: TetMesh, displacement: FloatArray, inverse: DisplacementField
 ) -> Folding:
-    """Look for folds in the mesh and in the inverse field (central differences)."""
+    """Look for folds in the mesh and in the inverse field (central differences).
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The mesh; lengths in mm.
+    displacement : (n_points, 3) array
+        u of each point of the mesh, mm.
+    inverse : DisplacementField
+        Of the same displacement; see `inverse_field`.
+
+    Returns
+    -------
+    Folding
+        How many cells and voxels fold, which is where the determinant is 0 or less.
+    """
     jacobian = cell_jacobians(mesh, displacement)
     image = sitk.DisplacementFieldJacobianDeterminant(vectors_to_itk(inverse))
     folded = sitk.GetArrayViewFromImage(image).T <= 0

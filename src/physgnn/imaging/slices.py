@@ -77,6 +77,11 @@ def slices_of_shift(
     image : Image, optional
         Of the rest state, such as the T1; without one the tissues are drawn.
 
+    Returns
+    -------
+    Figure
+        Of Matplotlib; the caller saves it.
+
     Raises
     ------
     InputError

@@ -44,6 +44,11 @@ def read_load_case(
         How far a point may lie from the surface node that takes its force. Forces on
         the same node add up.
 
+    Returns
+    -------
+    LoadCase
+        Nodes, and their forces in N.
+
     Raises
     ------
     InputError
@@ -57,7 +62,15 @@ def read_load_case(
 
 
 def write_load_case(path: str | Path, case: LoadCase) -> None:
-    """Write a load case by nodes; `read_load_case` gives it back exactly."""
+    """Write a load case by nodes; `read_load_case` gives it back exactly.
+
+    Parameters
+    ----------
+    path : path
+        Where it goes, JSON.
+    case : LoadCase
+        Nodes, and their forces in N.
+    """
     content = {"nodes": case.nodes.tolist(), FORCES: case.forces.tolist()}
     write_whole(Path(path), json.dumps(content) + "\n")
 

@@ -26,7 +26,6 @@ import torch
 from torch import Tensor, nn
 
 from physgnn.arrays import FloatArray
-from physgnn.choices import PrecisionName
 from physgnn.errors import InputError
 from physgnn.learning.graph import Graph, graph_of
 from physgnn.learning.surrogate import Arrays, Surrogate
@@ -98,7 +97,7 @@ class Network(nn.Module, Surrogate):
         InputError
             If the network has no other than float32.
         """
-        if precision != PrecisionName.FLOAT32:
+        if precision != "float32":
             raise InputError(
                 f"{precision} is for the LSTMs of PhysGNN, and this model has none: "
                 "leave precision at float32"

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from physgnn.arrays import IntArray
-from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_indices
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.elements.tangent import Pattern, make_pattern
@@ -55,8 +54,14 @@ class Body:
     Raises
     ------
     InputError
-        If a region has no material, a law or the element is unknown, a fixed point is
-        not in the mesh, or the fixed points leave a part of the mesh free to move.
+        If a region has no material, a law or the element is unknown, or a fixed point
+        is not in the mesh.
+
+    Notes
+    -----
+    A load may hold points too, by prescribed displacements. Whether fixed points and
+    load together hold the body is therefore asked where both are known, in
+    `pattern_under`.
     """
 
     mesh: TetMesh
@@ -96,26 +101,48 @@ class Body:
 
     @cached_property
     def pattern(self) -> Pattern:
-        """The tangent's pattern over the free points, made when first asked for."""
+        """The tangent's pattern over the free points, made when first asked for.
+
+        Raises
+        ------
+        InputError
+            If the fixed points alone leave a part of the mesh free to move.
+        """
+        check_held(self.mesh, self.fixed)
         return self.pattern_holding(self.fixed)
 
+    def pattern_under(self, held: IntArray) -> Pattern:
+        """Return the tangent's pattern under a load that holds these points too.
+
+        Parameters
+        ----------
+        held : (n_held,) integer array
+            Points with prescribed displacement; none for most loads.
+
+        Raises
+        ------
+        InputError
+            If fixed and held points together leave a part of the mesh free to move.
+        """
+        if len(held) == 0:
+            return self.pattern
+        at_rest = np.union1d(self.fixed, held)
+        check_held(self.mesh, at_rest)
+        return self.pattern_holding(at_rest)
+
     def pattern_holding(self, held: IntArray) -> Pattern:
-        """Return the tangent's pattern with these points held, not the fixed ones."""
+        """Return the tangent's pattern with these points held, not the fixed ones.
+
+        What else holds the body, such as springs, is for the caller to know.
+        """
         averaging = self.elements.averaging
         return make_pattern(self.mesh.cells, self.mesh.n_points, held, averaging)
 
 
 def _indices(mesh: TetMesh, fixed: str | IntArray) -> IntArray:
     """Return the fixed points' indices, sorted; InputError if they cannot serve."""
-    points = np.unique(
+    return np.unique(
         mesh.point_set(fixed)
         if isinstance(fixed, str)
         else checked_indices(fixed, mesh.n_points, "fixed points")
     )
-    if len(points) < 3:
-        raise InputError(
-            f"at least three points must be fixed (got {len(points)}): "
-            "otherwise the body floats away"
-        )
-    check_held(mesh, points)
-    return points

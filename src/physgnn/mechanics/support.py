@@ -24,8 +24,13 @@ def check_held(mesh: TetMesh, fixed: IntArray) -> None:
     ----------
     mesh : TetMesh
     fixed : (n_fixed,) integer array
-        Points that cannot move.
+        Points whose place is given: fixed ones, and those of prescribed displacement.
     """
+    if len(fixed) < 3:
+        raise InputError(
+            f"at least three points must be fixed (got {len(fixed)}): "
+            "otherwise the body floats away"
+        )
     part = connected_cells(mesh.cells)
     free = free_parts(mesh, fixed, part)
     if len(free) == 0:

@@ -25,7 +25,9 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
+from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.measured import PointPairs, SurfacePoints
+from physgnn.geometry.plausibility import check_same_units
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import deformation_gradient
 from physgnn.mechanics.body import Body
@@ -146,7 +148,8 @@ class Registrar:
         Raises
         ------
         InputError
-            If a point is far from the surface, or a number out of range.
+            If the points are in another unit than the body, one is far from the
+            surface, or a number is out of range.
         """
         if not 0 < noise_mm <= 20 or not 0 < coverage < 1:
             raise InputError(
@@ -154,6 +157,7 @@ class Registrar:
                 f"(got {noise_mm}, {coverage})"
             )
         start = time.perf_counter()
+        _check_units(self.body.mesh, measured)
         measurement: Measurement = (
             MeasuredPairs(self.body.mesh, measured)
             if isinstance(measured, PointPairs)
@@ -194,6 +198,14 @@ class Registrar:
                 "singular; fix at least three points that are not in line"
             )
         return found[0].astype(np.float64)
+
+
+def _check_units(mesh: TetMesh, measured: PointPairs | SurfacePoints) -> None:
+    if isinstance(measured, PointPairs):
+        check_same_units(measured.source, mesh.points, "measured points")
+    else:
+        surface = mesh.points[boundary_points(mesh)]
+        check_same_units(measured.points, surface, "measured surface")
 
 
 class _Search:

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.choices import Skull
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces, boundary_surface
 from physgnn.geometry.normals import area_vectors, vertex_normals
@@ -105,6 +104,6 @@ def point_areas(mesh: TetMesh) -> FloatArray:
 
 
 SUPPORTS: Mapping[str, Callable[[Body], Support]] = {
-    Skull.FIXED: fixed_support,
-    Skull.SLIDING: sliding_support,
+    "fixed": fixed_support,
+    "sliding": sliding_support,
 }

@@ -8,6 +8,7 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent
 from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
+from physgnn.mechanics.support import check_held
 from physgnn.registration.skull import Support
 
 Fields = NDArray[np.float32]
@@ -25,6 +26,7 @@ class TangentResponse:
     """
 
     def __init__(self, body: Body, support: Support) -> None:
+        check_held(body.mesh, body.fixed)  # for good, or by the skull's springs
         self._elements = body.elements
         self._pattern = body.pattern_holding(support.held)
         self._support = support

@@ -3,6 +3,7 @@
 import asyncio
 import socket
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 import uvicorn
@@ -11,7 +12,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from physgnn.errors import InputError
 from physgnn.serving.app import make_app
 from physgnn.serving.patient.desk import Desk
-from physgnn.serving.scene.image_slices import read_image
+from physgnn.serving.scene.image_slices import read_grey
 from physgnn.serving.scene.viewed import view
 from physgnn.serving.sessions.engine import Engine
 
@@ -30,6 +31,7 @@ def serve(
     *,
     port: int = PORT,
     image: str | Path | None = None,
+    affine: str | None = None,
     igtl: int | None = None,
     igtl_surfaces: bool = False,
     desk: Desk | None = None,
@@ -45,6 +47,8 @@ def serve(
         On 127.0.0.1; 0 takes a free one.
     image : path, optional
         NIfTI volume for sections, or "mni152".
+    affine : {"sform", "qform"}, optional
+        Which of two places in the image's header is meant, where they disagree.
     igtl : int, optional
         Port to stream the deformation from by OpenIGTLink; 0 takes a free one.
     igtl_surfaces : bool
@@ -59,19 +63,20 @@ def serve(
     InputError
         If there is nothing to show at the path, or a port is taken.
     """
-    listening = listen(port)
-    grey = None if image is None else read_image(image, log=log)
-    engine = Engine(view(path, None if desk is None else desk.mesh), grey, desk)
-    beside = []
-    if igtl is not None:
-        from physgnn.serving.igtl import stream
+    with ExitStack() as sockets:
+        listening = sockets.enter_context(listen(port))
+        grey = None if image is None else read_grey(image, affine=affine, log=log)
+        engine = Engine(view(path, None if desk is None else desk.mesh), grey, desk)
+        beside = []
+        if igtl is not None:
+            from physgnn.serving.igtl import stream
 
-        streaming = listen(igtl)
-        beside.append(lambda: stream(engine, streaming, surfaces=igtl_surfaces))
-        log(f"OpenIGTLink: {HOST}:{streaming.getsockname()[1]}")
-    server = make_server(make_app(engine, *beside))
-    log(f"http://{HOST}:{listening.getsockname()[1]}  (Ctrl-C ends it)")
-    server.run(sockets=[listening])
+            streaming = sockets.enter_context(listen(igtl))
+            beside.append(lambda: stream(engine, streaming, surfaces=igtl_surfaces))
+            log(f"OpenIGTLink: {HOST}:{streaming.getsockname()[1]}")
+        server = make_server(make_app(engine, *beside))
+        log(f"http://{HOST}:{listening.getsockname()[1]}  (Ctrl-C ends it)")
+        server.run(sockets=[listening])
 
 
 def make_server(app: object) -> uvicorn.Server:

@@ -182,10 +182,8 @@ def test_febio_with_loads_that_are_no_forces(block: TetMesh, tmp_path: Path) -> 
     materials = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
     made = Store.create(
         tmp_path / "a.zarr",
-        block,
+        Body(block, materials, block.point_set("fixed")),
         [path],
-        materials=materials,
-        fixed=block.point_set("fixed"),
         provenance={},
     )
     generate(made)

@@ -1,12 +1,14 @@
 """A sample of levels is checked once, whoever solved them, and changes no hash."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
 from physgnn.dataset import Store, generate, verification_of, verify
 from physgnn.dataset.generation.verification import EVERY, draw_level
+from physgnn.dataset.storage import layout
 from physgnn.mechanics.equilibrium.full_newton import Newton
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 
@@ -82,3 +84,29 @@ def test_only_converged_levels(
     failed.status[1] = Status.CONVERGED
     store.write(0, failed)
     assert draw_level(store, 0) == 1
+
+
+@pytest.mark.parametrize("survived", range(9))
+def test_a_kill_between_two_arrays_is_resumed(
+    new_store: NewStore, monkeypatch: pytest.MonkeyPatch, survived: int
+) -> None:
+    """Three arrays are made, then two paths' rows are written into each."""
+    store, written = new_store(n_paths=EVERY + 1), []
+    generate(store)
+    with monkeypatch.context() as killed:
+        for name in ("put_rows", "write_row"):
+            original = getattr(layout, name)
+
+            def write(*given: Any, original: Callable[..., None] = original) -> None:
+                if len(written) == survived:
+                    raise KeyboardInterrupt
+                written.append(given[1])
+                original(*given)
+
+            killed.setattr(layout, name, write)
+        with pytest.raises(KeyboardInterrupt):
+            verify(store)
+    assert len(written) == survived
+    resumed = verify(Store.open(store.path))
+    assert resumed.samples[:, 0].tolist() == [0, EVERY]
+    assert resumed.largest_mm < 1e-4

@@ -71,10 +71,11 @@ def make(mesh: TetMesh, path: Path, **changes: Any) -> Store:
         "paths": paths_on(mesh),
         "materials": MATERIALS,
         "fixed": mesh.point_set("fixed"),
-        "provenance": {},
         "element": "tet4-averaged",
+        **changes,
     }
-    return Store.create(path, mesh, **{**asked, **changes})
+    paths = asked.pop("paths")
+    return Store.create(path, Body(mesh, **asked), paths, provenance={})
 
 
 @pytest.fixture(scope="module")
@@ -153,14 +154,10 @@ def test_everything_asked_counts(block: TetMesh, tmp_path: Path) -> None:
         for k, v in enumerate(variants)
     ]
     assert len(set(hashes)) == len(variants)
-    asked = {
-        "materials": MATERIALS,
-        "fixed": block.point_set("fixed"),
-        "provenance": {},
-    }
     with pytest.raises(InputError, match="another mesh, load, material or element"):
-        Store.resume(tmp_path / "0", block, paths, **asked)
-    again = Store.resume(tmp_path / "0", block, paths, element="tet4-averaged", **asked)
+        Store.resume(tmp_path / "0", Body(block, MATERIALS), paths, provenance={})
+    averaged = Body(block, MATERIALS, element="tet4-averaged")
+    again = Store.resume(tmp_path / "0", averaged, paths, provenance={})
     assert again.definition_hash == hashes[0]
 
 

@@ -14,6 +14,7 @@ import pytest
 from meshes import block_mesh
 from physgnn.dataset import Store, generate, verification_of, verify
 from physgnn.errors import InputError
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
@@ -36,10 +37,12 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ]
     store = Store.create(
         tmp_path_factory.mktemp("whole") / "loads.zarr",
-        mesh,
+        Body(
+            mesh,
+            {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)},
+            mesh.point_set("fixed"),
+        ),
         paths,
-        materials={0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)},
-        fixed=mesh.point_set("fixed"),
         provenance={"made": "for a test"},
     )
     generate(store)
@@ -169,3 +172,21 @@ def test_a_damaged_store_of_version_1_is_refused_or_read(tmp_path: Path) -> None
             file.extractall(copy)
         outcome(copy, None, mutated(copy, SEED * 2000 + k))
         shutil.rmtree(copy)
+
+
+def test_one_bit_of_every_file(whole: Path, tmp_path: Path) -> None:
+    """Each file of each kind, metadata of arrays included, in turn."""
+    expected = dict(parts(whole))
+    files = sorted(f.relative_to(whole) for f in whole.rglob("*") if f.is_file())
+    copy = tmp_path / "loads.zarr"
+    shutil.copytree(whole, copy)
+    unnoticed = []
+    for file in files:
+        data = (whole / file).read_bytes()
+        middle = len(data) // 2
+        changed = bytes([data[middle] ^ 1])
+        (copy / file).write_bytes(data[:middle] + changed + data[middle + 1 :])
+        if outcome(copy, expected, str(file)) == "as it was":
+            unnoticed.append(file)
+        (copy / file).write_bytes(data)
+    assert all(file.name == "zarr.json" for file in unnoticed), unnoticed

@@ -13,6 +13,7 @@ import pytest
 from physgnn.dataset import Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
@@ -45,8 +46,7 @@ def test_definitions_survive(new_store: NewStore, block: TetMesh) -> None:
 def test_paths_of_different_width(block: TetMesh, tmp_path: Path) -> None:
     top = block.point_set("loaded")
     paths = [LoadPath(top[:n], np.full((n, 3), n), np.array([1.0])) for n in (3, 1, 2)]
-    options = {"materials": MATERIALS, "fixed": block.point_set("fixed")}
-    store = Store.create(tmp_path / "s", block, paths, provenance={}, **options)
+    store = Store.create(tmp_path / "s", Body(block, MATERIALS), paths, provenance={})
     for i, path in enumerate(paths):
         assert np.array_equal(store.load_path(i).nodes, path.nodes)
         assert np.array_equal(store.load_path(i).forces, path.forces)
@@ -205,12 +205,7 @@ def test_create_refuses(block: TetMesh, tmp_path: Path) -> None:
     ):
         with pytest.raises(InputError, match=message):
             Store.create(
-                tmp_path / "s",
-                block,
-                paths,
-                materials=materials,
-                fixed=fixed,
-                provenance={},
+                tmp_path / "s", Body(block, materials, fixed), paths, provenance={}
             )
     assert list(tmp_path.iterdir()) == []  # nothing half-written
 
@@ -224,16 +219,17 @@ def test_create_never_overwrites(new_store: NewStore) -> None:
 def test_resume_opens_what_asks_the_same(new_store: NewStore) -> None:
     store = new_store()
     paths = [store.load_path(i) for i in range(5)]
-    asked = {"fixed": store.fixed, "provenance": {}, "materials": MATERIALS}
-    spare = {**asked, "materials": {**MATERIALS, 7: MATERIALS[0]}}
-    assert Store.resume(store.path, store.mesh, paths, **spare).path == store.path
-    stiffer = {**asked, "materials": {**MATERIALS, 1: NeoHookean(9000.0, 0.3)}}
-    for mesh, some, wrong in (
-        (store.mesh, paths[:4], asked),
-        (store.mesh, paths, stiffer),
-        (store.mesh, paths, {**asked, "fixed": store.fixed[1:]}),
+    mesh, fixed = store.mesh, store.fixed
+    asked = Body(mesh, MATERIALS, fixed)
+    spare = Body(mesh, {**MATERIALS, 7: MATERIALS[0]}, fixed)
+    assert Store.resume(store.path, spare, paths, provenance={}).path == store.path
+    stiffer = Body(mesh, {**MATERIALS, 1: NeoHookean(9000.0, 0.3)}, fixed)
+    for body, some in (
+        (asked, paths[:4]),
+        (stiffer, paths),
+        (Body(mesh, MATERIALS, fixed[1:]), paths),
     ):
         with pytest.raises(InputError, match="made for another mesh, load, mat"):
-            Store.resume(store.path, mesh, some, **wrong)
+            Store.resume(store.path, body, some, provenance={})
     other = store.path.with_name("other")
-    assert len(Store.resume(other, store.mesh, paths, **asked).pending()) == 5
+    assert len(Store.resume(other, asked, paths, provenance={}).pending()) == 5

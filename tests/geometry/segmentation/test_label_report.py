@@ -96,3 +96,17 @@ def test_a_line_a_label_with_the_dice_of_its_tissue() -> None:
         "label 3 → tumour: 200 ml; Dice of tumour with the mesh 0.667",
         "label 9 → brain: 100 ml; Dice of brain with the mesh 0.889",
     ]
+
+
+def test_labels_of_segment_are_known_and_those_of_a_tumour_are_not_taken_for_them() -> (
+    None
+):
+    assert resolved("mask", {1: 1400.0, 2: 10.0, 3: 25.0})[0] == "segment"
+    for other in (
+        {1: 1400.0},  # a mask
+        {1: 20.0, 2: 60.0, 3: 10.0},  # BraTS
+        {1: 120.0, 2: 5.0, 3: 10.0},  # a decathlon's: much oedema
+        {1: 300.0, 2: 700.0, 3: 500.0},  # fluid, grey, white
+        {1: 1400.0, 7: 10.0},
+    ):
+        assert resolved("mask", other) == ("mask", [])

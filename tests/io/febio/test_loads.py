@@ -15,6 +15,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio.model_reader import read_febio
 from physgnn.io.febio.model_writer import write_febio
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
@@ -36,7 +37,7 @@ def write(
     path = (
         LoadPath(nodes, forces, factors, more) if force else LoadPath.of(factors, *more)
     )
-    write_febio(file, MESH, path, materials=MATERIALS, fixed=MESH.point_set("fixed"))
+    write_febio(file, Body(MESH, MATERIALS, MESH.point_set("fixed")), path)
 
 
 def xml(file: Path) -> ET.Element:
@@ -162,6 +163,17 @@ def test_a_curve_above_one_scales_the_loads(tmp_path: Path) -> None:
     assert pressure.pressure_pa == 600.0
 
 
+def test_a_curve_that_ends_before_the_last_step(tmp_path: Path) -> None:
+    """Beyond its last point FEBio goes on as the curve says."""
+    file = tmp_path / "a.feb"
+    write(file, Gravity((0, 0, -1), 1000.0))
+    text = file.read_text().replace("<pt>2,1.0</pt>", "")
+    said = "LINEAR</interpolate><extend>EXTRAPOLATE</extend>"
+    file.write_text(text.replace("LINEAR</interpolate>", said))
+    with pytest.raises(InputError, match=r"must be CONSTANT \(got EXTRAPOLATE\)"):
+        read_febio(file)
+
+
 @pytest.fixture
 def all_kinds(tmp_path: Path) -> Path:
     file = tmp_path / "a.feb"
@@ -187,6 +199,8 @@ def all_kinds(tmp_path: Path) -> Path:
         ("0.0003000</pressure>", "soft</pressure>", "'soft' is no number"),
         ("0.0,0.0,9806.65<", "0,0,0<", "needs a <force> of three numbers, not 0"),
         ("0.0,0.0,9806.65<", "0,0,9.8*t<", "string to float: '9.8*t'"),
+        (">LINEAR<", ">STEP<", "<interpolate> must be LINEAR (got STEP)"),
+        (">LINEAR<", ">SMOOTH STEP<", "must be LINEAR (got SMOOTH STEP)"),
         ("<dof>x</dof>", "<dof>u</dof>", "a <dof> that is x, y or z (got 'u')"),
     ],
 )

@@ -14,6 +14,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio.model_reader import read_febio
 from physgnn.io.febio.model_writer import write_febio
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material, MooneyRivlin, NeoHookean, Ogden
 
@@ -29,7 +30,7 @@ def test_a_stored_case_reads_back_as_it_was_asked(
     mesh = TetMesh(case["points"], case["cells"], case["region"])
     load = LoadPath(case["load_nodes"], case["load_vectors"], np.arange(1, 31) / 30)
     file = tmp_path / "case.feb"
-    write_febio(file, mesh, load, materials=PAPER, fixed=case["fixed"])
+    write_febio(file, Body(mesh, PAPER, case["fixed"]), load)
     root = ET.parse(file).getroot()
 
     nodes = root.findall("Mesh/Nodes/node")
@@ -115,16 +116,12 @@ def test_round_trip(order, vectors, factors, materials, seed) -> None:
     with TemporaryDirectory() as folder:
         file = Path(folder) / "case.feb"
         write_febio(
-            file,
-            mesh,
-            load,
-            materials=dict(zip((0, 7), materials, strict=True)),
-            fixed=fixed,
+            file, Body(mesh, dict(zip((0, 7), materials, strict=True)), fixed), load
         )
         model = read_febio(file)
     assert model.mesh.content_hash == mesh.content_hash
     assert model.materials == dict(zip((0, 7), materials, strict=True))
-    assert np.array_equal(model.fixed, fixed)
+    assert np.array_equal(model.fixed, np.sort(fixed))
     assert np.array_equal(model.load_path.nodes, load.nodes)
     assert np.array_equal(model.load_path.forces, load.forces)
     assert np.array_equal(model.load_path.load_factors, load.load_factors)
@@ -136,7 +133,7 @@ def test_round_trip(order, vectors, factors, materials, seed) -> None:
 def written(tmp_path: Path, block: TetMesh) -> Path:
     file = tmp_path / "case.feb"
     load = LoadPath(block.point_set("loaded")[:3], np.eye(3), [0.5, 1.0])
-    write_febio(file, block, load, materials=PAPER, fixed=block.point_set("fixed"))
+    write_febio(file, Body(block, PAPER, block.point_set("fixed")), load)
     return file
 
 
@@ -181,13 +178,11 @@ def test_refusals(tmp_path: Path, block: TetMesh) -> None:
     load = LoadPath(block.point_set("loaded")[:1], [[0, 0, 1.0]], [1.0])
     fixed = block.point_set("fixed")
     with pytest.raises(InputError, match=r"written as \.feb"):
-        write_febio(tmp_path / "a.xml", block, load, materials=PAPER, fixed=fixed)
+        write_febio(tmp_path / "a.xml", Body(block, PAPER, fixed), load)
     with pytest.raises(InputError, match="region 1 has no material"):
-        write_febio(
-            tmp_path / "a.feb", block, load, materials={0: PAPER[0]}, fixed=fixed
-        )
+        write_febio(tmp_path / "a.feb", Body(block, {0: PAPER[0]}, fixed), load)
     with pytest.raises(InputError, match="is fixed"):
-        write_febio(tmp_path / "a.feb", block, load, materials=PAPER, fixed=load.nodes)
+        write_febio(tmp_path / "a.feb", Body(block, PAPER, load.nodes), load)
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(InputError, match="cannot be read"):
         read_febio(tmp_path / "no.feb")

@@ -25,10 +25,8 @@ def store(block: TetMesh, tmp_path_factory: pytest.TempPathFactory) -> Store:
     ]
     store = Store.create(
         tmp_path_factory.mktemp("baselines") / "loads.zarr",
-        block,
+        Body(block, MATERIALS, block.point_set("fixed")),
         paths,
-        materials=MATERIALS,
-        fixed=block.point_set("fixed"),
         provenance={},
     )
     for i in range(len(paths)):

@@ -5,6 +5,7 @@ import pytest
 
 from physgnn.dataset.storage.store import Store
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Solution
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
@@ -23,10 +24,12 @@ def store(block: TetMesh, tmp_path_factory: pytest.TempPathFactory) -> Store:
     ]
     store = Store.create(
         tmp_path_factory.mktemp("classical") / "loads.zarr",
-        block,
+        Body(
+            block,
+            {region: NeoHookean(3000.0, 0.3) for region in (0, 1)},
+            block.point_set("fixed"),
+        ),
         paths,
-        materials={region: NeoHookean(3000.0, 0.3) for region in (0, 1)},
-        fixed=block.point_set("fixed"),
         provenance={},
     )
     for i, path in enumerate(paths):

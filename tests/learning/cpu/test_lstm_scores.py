@@ -6,9 +6,9 @@ import torch
 from torch import Tensor
 
 from physgnn.learning.cpu import blocks as lstm_blocks
-from physgnn.learning.cpu.data import Weights
+from physgnn.learning.cpu.common_layers import lstm_scores, read_shared
+from physgnn.learning.cpu.lstm_inputs import Weights
 from physgnn.learning.cpu.lstm_scores import Way
-from physgnn.learning.cpu.shared import lstm_scores, read_shared
 
 WIDTH, SIZE, STEPS = 5, 8, 3
 

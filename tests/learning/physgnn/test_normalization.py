@@ -10,6 +10,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.physgnn.features import load_features
 from physgnn.learning.physgnn.model import PhysGNNModel
 from physgnn.learning.physgnn.normalization import Normalizer, force_statistics
+from physgnn.mechanics.body import Body
 
 
 def every_column(store: Store, samples: np.ndarray) -> np.ndarray:
@@ -65,10 +66,8 @@ def test_statistics_of_the_published_datasets(
     mesh, paths = preset.on(mesh)
     store = Store.create(
         tmp_path / "loads.zarr",
-        mesh,
+        Body(mesh, preset.materials, mesh.point_set("fixed")),
         paths,
-        materials=preset.materials,
-        fixed=mesh.point_set("fixed"),
         provenance={},
     )
     samples = np.argwhere(np.ones((store.n_paths, store.n_levels)))

@@ -2,7 +2,6 @@
 
 import json
 import logging
-import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +19,7 @@ from physgnn.learning.models import build_model
 from physgnn.learning.runs import parts
 from physgnn.learning.runs.checkpoint import Checkpoint, read_record
 from physgnn.learning.runs.folder import RunFolder
-from physgnn.learning.runs.parts import clear_unfinished, write_part, write_parts
+from physgnn.learning.runs.parts import write_part, write_parts
 from physgnn.prediction.error_bounds.run_calibration import calibrate_run
 from physgnn.prediction.predictor import Predictor
 
@@ -209,15 +208,6 @@ def test_a_kill_after_any_write_leaves_a_run_that_opens(
     listed = Manifest.read(RunFolder(run).manifest, "").parts
     assert all(len(digests) == 1 for digests in listed.values())
     assert read_record(run)["config"]["seed"] == 0
-
-
-def test_what_a_killed_process_left_is_cleared_away(run: Path) -> None:
-    theirs, ours = run / ".999999999.run.json", run / f".{os.getpid()}.run.json"
-    for file in (theirs, ours, run / ".hidden"):
-        file.write_text("")
-    clear_unfinished(run)
-    left = {file.name for file in run.glob(".*")}
-    assert left == {ours.name, ".hidden"}
 
 
 def test_parts_take_their_places_in_order(

@@ -5,8 +5,8 @@ import pytest
 
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import LoadPath, NeoHookean, Status
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import make_pattern
-from physgnn.mechanics.elements.tet4 import make_elements
 from physgnn.mechanics.equilibrium.energy_descent import descend
 from physgnn.mechanics.equilibrium.quasi_newton import QuasiNewton
 from physgnn.mechanics.linear.direct_solver import LinearSolver, make_linear_solver
@@ -34,7 +34,7 @@ def descent(mesh: TetMesh, believed: int) -> Status:
     pattern = make_pattern(mesh.cells, mesh.n_points, fixed)
     path = LoadPath(nodes, np.full((len(nodes), 3), 0.1 / len(nodes)), np.ones(1))
     iteration = QuasiNewton(
-        make_elements(mesh, MATERIALS),
+        Body(mesh, MATERIALS),
         pattern,
         Doubting(make_linear_solver(pattern), believed),
         Loading(mesh, path, fixed),

@@ -1,5 +1,7 @@
 """A kept factor gives the same bits, and never serves another matrix."""
 
+import shutil
+
 import numpy as np
 import pytest
 
@@ -65,6 +67,20 @@ def test_a_damaged_factor_is_made_again(block, force, tmp_path):
         again = RestState(Body(block, MATERIALS), cache=tmp_path).solve(force)
         np.testing.assert_array_equal(again, first)
         assert factor.read_bytes() != damage
+
+
+def test_another_matrix_s_factor_under_its_name_is_made_again(
+    block, force, tmp_path_factory
+):
+    """Checksums and all: they tell whether a file is whole, not whose it is."""
+    own, other = (tmp_path_factory.mktemp("factors") for _ in range(2))
+    first = RestState(Body(block, MATERIALS), cache=own).solve(force)
+    softer = {0: NeoHookean(2000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
+    RestState(Body(block, softer), cache=other)
+    (kept,), (foreign,) = own.iterdir(), other.iterdir()
+    shutil.copytree(foreign, kept, dirs_exist_ok=True)
+    again = RestState(Body(block, MATERIALS), cache=own).solve(force)
+    np.testing.assert_array_equal(again, first)
 
 
 def test_a_folder_that_cannot_be_written_does_no_harm(block, force, tmp_path):

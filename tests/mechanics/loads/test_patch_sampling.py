@@ -33,20 +33,22 @@ def paths(n_paths: int = 40, **changes: object) -> list[LoadPath]:
     st.lists(st.floats(0.0, 3.0), min_size=1, max_size=30),
     st.floats(0.1, 2.0),
 )
-def test_shares_add_up_and_fall_outwards(distances: list[float], step: float) -> None:
+def test_fractions_add_up_and_fall_outwards(
+    distances: list[float], step: float
+) -> None:
     distance = np.sort(distances) * step
-    share = patch_load_fractions(
+    fraction = patch_load_fractions(
         distance, np.tile([0.0, 0.0, 1.0], (len(distance), 1)), 0
     )
-    assert share.sum() == pytest.approx(1.0)
-    assert (np.diff(share) <= 0).all()
-    assert (share[1:][distance[1:] >= 1] == 0).all()
+    assert fraction.sum() == pytest.approx(1.0)
+    assert (np.diff(fraction) <= 0).all()
+    assert (fraction[1:][distance[1:] >= 1] == 0).all()
 
 
 def test_nodes_that_face_another_way_are_no_part_of_a_patch() -> None:
     normals = np.array([[0, 0, 1.0], [0, 0, -1.0], [0, 0.6, 0.8]])
-    share = patch_load_fractions(np.zeros(3), normals, 0)
-    np.testing.assert_allclose(share, [0.5, 0, 0.5])
+    fraction = patch_load_fractions(np.zeros(3), normals, 0)
+    np.testing.assert_allclose(fraction, [0.5, 0, 0.5])
 
 
 def test_forces_stay_within_their_ranges() -> None:

@@ -116,3 +116,17 @@ def test_anchors_reach_the_largest_projection_on_the_mean(
 
 def test_opposite_loads_have_no_anchor_but_rest(body: Body, force: np.ndarray) -> None:
     assert (mean_load_anchors(body, np.stack([force, -force]), 2) == 0).all()
+
+
+def test_a_bound_on_memory_changes_no_displacement(
+    body: Body, force: np.ndarray, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    anchors = equilibria(body, force, np.array([0.5, 1.0]))
+    loads = [s * force for s in (0.1, 0.9, 0.5, 0.1)]
+    whole = AsymptoticExpansion(body, anchors)
+    expected = [whole.expand(load).displacement for load in loads]
+    monkeypatch.setenv("PHYSGNN_CACHE_GB", "1e-9")  # room for the last one alone
+    bounded = AsymptoticExpansion(body, anchors)
+    for load, displacement in zip(loads, expected, strict=True):
+        assert (bounded.expand(load).displacement == displacement).all()
+        assert len(bounded._responses) == 1

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.serving.scene.image_slices import read_image
+from physgnn.serving.scene.image_slices import read_grey
 from physgnn.serving.scene.section import AXES
 
 
@@ -24,7 +24,7 @@ def oblique_image(path: Path) -> np.ndarray:
 @pytest.mark.parametrize("axis", ["sagittal", "axial"])
 def test_a_slice_shows_the_world_place_it_should(tmp_path: Path, axis: str) -> None:
     oblique_image(tmp_path / "t1.nii.gz")
-    image = read_image(tmp_path / "t1.nii.gz")
+    image = read_grey(tmp_path / "t1.nii.gz")
     low, high = np.array([-10.0, -10.0, -10.0]), np.array([10.0, 10.0, 10.0])
     grey = image.slice(axis, 2.0, low, high).astype(float)
     assert grey.shape == (21, 21)
@@ -39,11 +39,11 @@ def test_a_slice_shows_the_world_place_it_should(tmp_path: Path, axis: str) -> N
 
 def test_what_is_no_volume_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
-        read_image(tmp_path / "absent.nii.gz")
+        read_grey(tmp_path / "absent.nii.gz")
     (tmp_path / "text.nii").write_text("hello")
     with pytest.raises(InputError, match="cannot be read"):
-        read_image(tmp_path / "text.nii")
+        read_grey(tmp_path / "text.nii")
     flat = nibabel.Nifti1Image(np.zeros((4, 4, 2, 3), np.float32), np.eye(4))
     flat.to_filename(tmp_path / "series.nii")
     with pytest.raises(InputError, match="series of 3 volumes"):
-        read_image(tmp_path / "series.nii")
+        read_grey(tmp_path / "series.nii")

@@ -14,6 +14,7 @@ from physgnn.io.array_files import write_arrays
 from physgnn.io.febio.model_writer import write_febio
 from physgnn.io.simulation import Simulation
 from physgnn.io.vtk.series import write_series
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Solution
 
 
@@ -47,16 +48,15 @@ def export_febio(
     if preset is None:
         store = Store.open(source)
         _check_path(path, store.n_paths)
-        mesh, load_path = store.mesh, store.load_path(path)
-        materials, fixed, element = store.materials, store.fixed, store.element
+        body, load_path = store.body, store.load_path(path)
     else:
         preset = find_preset(preset) if isinstance(preset, str) else preset
         mesh, paths = preset.on(read_mesh(source))
         _check_path(path, len(paths))
-        load_path, fixed = paths[path], mesh.point_set("fixed")
-        materials, element = dict(preset.materials), preset.element
-    check_febio(element, [load_path])
-    write_febio(out, mesh, load_path, materials=materials, fixed=fixed)
+        load_path = paths[path]
+        body = Body(mesh, preset.materials, element=preset.element)
+    check_febio(body.element, [load_path])
+    write_febio(out, body, load_path)
 
 
 def export_arrays(source: str | Path, out: str | Path) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +16,13 @@ from physgnn.io.febio.model_reader import read_febio_results
 from physgnn.io.integrity.atomic import whole_folder
 from physgnn.io.simulation import Simulation
 from physgnn.io.vtk.series import read_series
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.materials import Material
 from physgnn.progress import Progress
+from physgnn.versions import release
 
 Reader = Callable[[Path], list[Simulation]]
 
@@ -97,15 +98,17 @@ def import_results(
     with whole_folder(target) as part:
         made = Store.create(
             part,
-            found[0].mesh,
+            Body(
+                found[0].mesh,
+                found[0].materials or materials or {},
+                found[0].fixed,
+                element=element,
+            ),
             [replace(s.load_path, load_factors=longest) for s in found],
-            materials=found[0].materials or materials,
-            fixed=found[0].fixed,
-            element=element,
             provenance={
                 "solver": "imported",
                 "imported_from": [str(source) for source in sources],
-                "physgnn": version("physgnn"),
+                "physgnn": release("physgnn"),
             },
         )
         for i, simulation in enumerate(found):

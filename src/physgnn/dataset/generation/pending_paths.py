@@ -9,7 +9,6 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from physgnn import choices
 from physgnn.dataset.generation.work import Result, Work, each
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
@@ -22,7 +21,7 @@ from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.progress import Progress
 
 ALREADY_THERE = "already there"
-DEFAULT_SOLVER = choices.SolverName.PHYSGNN
+DEFAULT_SOLVER = "physgnn"
 
 
 class CanSolve(Protocol):
@@ -93,8 +92,8 @@ def _febio_solver(store: Store) -> CanSolve:
 
 
 SOLVERS: Mapping[str, Callable[[Store], CanSolve]] = {
-    DEFAULT_SOLVER: _own_solver,
-    choices.SolverName.FEBIO: _febio_solver,
+    "physgnn": _own_solver,
+    "febio": _febio_solver,
 }
 """Solvers by the name that a store's provenance has."""
 

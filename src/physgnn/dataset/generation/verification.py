@@ -97,7 +97,18 @@ def verify(
 
 
 def verification_of(store: Store) -> Verification:
-    """Return what a store says of the levels checked so far; nothing is computed."""
+    """Return what a store says of the levels checked so far; nothing is computed.
+
+    Parameters
+    ----------
+    store : Store
+        The dataset.
+
+    Returns
+    -------
+    Verification
+        Which levels were checked, and how far each is from full Newton, mm.
+    """
     samples, distance_mm = read_rows(store.reader)
     return Verification(samples, distance_mm, len(store.samples()))
 

@@ -15,13 +15,12 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from physgnn import choices
 from physgnn.arrays import IntArray
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 
 TRAIN, VALIDATION, TEST = 0.7, 0.2, 0.1  # as published
-MESH = choices.SplitName.MESH
+MESH = "mesh"
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +66,18 @@ def split_published(store: Store, seed: int = 1) -> Split:
 
     With all samples converged and seed 1 this is the published split: Python's
     ``random.Random(1).shuffle`` of the samples path by path, level by level.
+
+    Parameters
+    ----------
+    store : Store
+        The dataset; its converged samples are split.
+    seed : int
+        Of the draw; the same seed gives the same split.
+
+    Returns
+    -------
+    Split
+        Samples for training, validation and testing: rows of (path, level).
     """
     samples = store.samples()
     order = list(range(len(samples)))
@@ -76,12 +87,37 @@ def split_published(store: Store, seed: int = 1) -> Split:
 
 
 def split_path(store: Store, seed: int = 0) -> Split:
-    """Hold out whole load paths: 20 % for validation, 10 % for testing."""
+    """Hold out whole load paths: 20 % for validation, 10 % for testing.
+
+    Parameters
+    ----------
+    store : Store
+        The dataset; its converged samples are split.
+    seed : int
+        Of the draw; the same seed gives the same split.
+
+    Returns
+    -------
+    Split
+        Samples for training, validation and testing: rows of (path, level).
+    """
     return _split_groups("path", store, np.arange(store.n_paths), seed)
 
 
 def split_node(store: Store, seed: int = 0) -> Split:
     """Hold out loaded nodes: no test path loads a node that a training path loads.
+
+    Parameters
+    ----------
+    store : Store
+        The dataset; its converged samples are split.
+    seed : int
+        Of the draw; the same seed gives the same split.
+
+    Returns
+    -------
+    Split
+        Samples for training, validation and testing: rows of (path, level).
 
     Raises
     ------
@@ -99,14 +135,27 @@ def split_node(store: Store, seed: int = 0) -> Split:
 
 
 SPLITS: dict[str, Callable[..., Split]] = {
-    choices.SplitName.PUBLISHED: split_published,
-    choices.SplitName.PATH: split_path,
-    choices.SplitName.NODE: split_node,
+    "published": split_published,
+    "path": split_path,
+    "node": split_node,
 }
 
 
 def named_split(name: str, store: Store) -> Split:
-    """Return a split by its name; InputError names those there are."""
+    """Return a split by its name; InputError names those there are.
+
+    Parameters
+    ----------
+    name : str
+        A row of ``SPLITS``.
+    store : Store
+        The dataset; its converged samples are split.
+
+    Returns
+    -------
+    Split
+        Samples for training, validation and testing: rows of (path, level).
+    """
     if name not in SPLITS:
         raise InputError(f"no split '{name}' (there are: {', '.join(sorted(SPLITS))})")
     return SPLITS[name](store)

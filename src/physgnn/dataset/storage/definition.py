@@ -15,14 +15,13 @@ from physgnn.dataset.storage.attributes import FORMAT, VERSION, with_root
 from physgnn.dataset.storage.load_records import distinct, to_record
 from physgnn.dataset.storage.result_rows import result_arrays
 from physgnn.errors import InputError
-from physgnn.geometry.array_checks import checked_indices
-from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.integrity.digest import digest_of
-from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, checked_element
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadPath
-from physgnn.mechanics.materials import Material
 from physgnn.mechanics.materials.table import material_to_config
+from physgnn.mechanics.support import check_held
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,46 +30,35 @@ class Definition:
 
     Attributes
     ----------
-    mesh : TetMesh
+    body : Body
+        What is loaded; materials of regions that its mesh lacks are left out.
     paths : sequence of LoadPath
         One or more, all with the same load factors.
-    materials : mapping of region to Material
-        One for every region of the mesh; others are left out.
-    fixed : (n_fixed,) int64 array
-    element : str
-        As in `physgnn.mechanics.SolverOptions`.
 
     Raises
     ------
     InputError
-        If a path does not fit, a region has no material, or the element is unknown.
+        If a path does not fit, or leaves a part of the body free to move.
     """
 
-    mesh: TetMesh
+    body: Body
     paths: Sequence[LoadPath]
-    materials: Mapping[int, Material]
-    fixed: IntArray
-    element: str = DEFAULT_ELEMENT
 
     def __post_init__(self) -> None:
-        checked_element(self.element)
-        fixed = checked_indices(self.fixed, self.mesh.n_points, "fixed points")
-        object.__setattr__(self, "fixed", fixed)
-        object.__setattr__(self, "materials", _needed(self.mesh, self.materials))
-        _check_paths(self.mesh, self.paths, self.fixed)
+        _check_paths(self.body, self.paths)
 
     @property
     def digest(self) -> str:
         """SHA-256 of the definition: stores of the same problems have the same."""
         nodes, forces = _padded(self.paths)
         loads, of_path = distinct(self.paths)
-        beyond: list[Any] = [self.element, of_path, *loads]
-        if self.element == DEFAULT_ELEMENT and not loads:
+        beyond: list[Any] = [self.body.element, of_path, *loads]
+        if self.body.element == DEFAULT_ELEMENT and not loads:
             beyond = []  # as for stores made before there was any of it
         return digest_of(
-            self.mesh.content_hash,
-            _records(self.materials),
-            self.fixed,
+            self.body.mesh.content_hash,
+            _records(self.body),
+            self.body.fixed,
             nodes,
             forces,
             self.paths[0].load_factors,
@@ -91,11 +79,11 @@ class Definition:
             "format": FORMAT,
             "version": VERSION,
             "n_paths": len(self.paths),
-            "n_points": self.mesh.n_points,
-            "mesh_hash": self.mesh.content_hash,
-            "point_sets": sorted(self.mesh.point_sets),
-            "element": self.element,
-            "materials": _records(self.materials),
+            "n_points": self.body.mesh.n_points,
+            "mesh_hash": self.body.mesh.content_hash,
+            "point_sets": sorted(self.body.mesh.point_sets),
+            "element": self.body.element,
+            "materials": _records(self.body),
             "more_loads": [record for record, _ in records],
             "definition_hash": self.digest,
             "provenance": dict(provenance),
@@ -104,51 +92,51 @@ class Definition:
         group.attrs.update(with_root(attributes))
         for name, value in arrays.items():
             layout.put_array(group, name, value)
-        rows = result_arrays(self.paths[0].n_levels, self.mesh.n_points)
+        rows = result_arrays(self.paths[0].n_levels, self.body.mesh.n_points)
         for name, (shape, dtype, fill) in rows.items():
             of_all = (len(self.paths), *shape)
             layout.put_rows(group, f"result/{name}", of_all, dtype, fill)
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
-        mesh = self.mesh
+        mesh = self.body.mesh
         nodes, forces = _padded(self.paths)
         return {
             "mesh/points": mesh.points,
             "mesh/cells": mesh.cells,
             "mesh/region": mesh.region,
             **{f"mesh/point_sets/{name}": ids for name, ids in mesh.point_sets.items()},
-            "fixed": self.fixed,
+            "fixed": self.body.fixed,
             "loads/nodes": nodes,
             "loads/forces": forces,
             "load_factors": self.paths[0].load_factors,
         }
 
 
-def _needed(mesh: TetMesh, materials: Mapping[int, Material]) -> dict[int, Material]:
-    """Return the materials of the mesh's regions; InputError if one has none."""
-    regions = np.unique(mesh.region).tolist()
-    without = [region for region in regions if region not in materials]
-    if without:
-        raise InputError(f"region {without[0]} has no material: name one for it")
-    return {region: materials[region] for region in regions}
-
-
-def _check_paths(mesh: TetMesh, paths: Sequence[LoadPath], fixed: IntArray) -> None:
-    """Raise InputError if the paths do not fit the mesh or each other."""
+def _check_paths(body: Body, paths: Sequence[LoadPath]) -> None:
+    """Raise InputError if the paths do not fit the body or each other."""
+    mesh, fixed = body.mesh, body.fixed
     if not paths:
         raise InputError("a dataset needs one load path or more (got none)")
+    nothing = np.empty(0, dtype=np.int64)
+    checked: set[bytes] = set()  # most paths hold the same points, or none
     for i, path in enumerate(paths):
         path.check_against(mesh, fixed)
-        if path.more:
-            Loading(mesh, path, fixed)  # refuses loads that don't fit
+        held = Loading(mesh, path, fixed).held if path.more else nothing
+        if held.tobytes() not in checked:
+            check_held(mesh, np.union1d(fixed, held))
+            checked.add(held.tobytes())
         if not np.array_equal(path.load_factors, paths[0].load_factors):
             raise InputError(
                 f"all load paths must have the same load factors (path {i} differs)"
             )
 
 
-def _records(materials: Mapping[int, Material]) -> dict[str, Any]:
-    return {str(region): material_to_config(m) for region, m in materials.items()}
+def _records(body: Body) -> dict[str, Any]:
+    """Return the materials of the regions that the mesh has."""
+    return {
+        str(region): material_to_config(body.materials[region])
+        for region in np.unique(body.mesh.region).tolist()
+    }
 
 
 def _padded(

@@ -20,8 +20,8 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.integrity.atomic import whole_folder
 from physgnn.io.integrity.digest import digest_of
+from physgnn.io.integrity.strays import clear_partial_chunks
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.linear.factor_cache import FACTORS
 from physgnn.mechanics.loads.paths import LoadCase, LoadPath
@@ -75,13 +75,10 @@ class Store:
     def create(
         cls,
         path: str | os.PathLike[str],
-        mesh: TetMesh,
+        body: Body,
         paths: Sequence[LoadPath],
         *,
-        materials: Mapping[int, Material],
-        fixed: IntArray,
         provenance: Mapping[str, Any],
-        element: str = DEFAULT_ELEMENT,
     ) -> Self:
         """Make a store in which every path is pending.
 
@@ -89,29 +86,24 @@ class Store:
         ----------
         path : path-like
             A folder that does not exist yet.
-        mesh : TetMesh
-            The mesh of all samples.
+        body : Body
+            What all samples are of; materials of regions that its mesh lacks are left
+            out.
         paths : sequence of LoadPath
             All with the same load factors.
-        materials : mapping of region to material
-            One for every region of the mesh; others are left out.
-        fixed : (n_fixed,) integer array
-            Points held at zero displacement.
         provenance : mapping
             Anything JSON can hold: how the dataset came about.
-        element : str
-            As in `physgnn.mechanics.SolverOptions`.
 
         Raises
         ------
         InputError
-            If the folder exists, a path does not fit, a region has no material, or
-            the element is unknown.
+            If the folder exists, or a path does not fit or leaves a part of the body
+            free to move.
         """
         target = Path(path)
         if target.exists():
             raise InputError(f"{target} exists already: open it, or name another")
-        definition = Definition(mesh, paths, materials, fixed, element)
+        definition = Definition(body, paths)
         with whole_folder(target) as part:
             definition.write(part, provenance)
         return cls(target)
@@ -120,11 +112,10 @@ class Store:
     def resume(
         cls,
         path: str | os.PathLike[str],
-        mesh: TetMesh,
+        body: Body,
         paths: Sequence[LoadPath],
         *,
         provenance: Mapping[str, Any],
-        **body: Any,
     ) -> Self:
         """Open the store if there is one of just these problems, or make it.
 
@@ -136,9 +127,10 @@ class Store:
             If the folder holds something else, or a store of other problems.
         """
         if not Path(path).exists():
-            return cls.create(path, mesh, paths, provenance=provenance, **body)
+            return cls.create(path, body, paths, provenance=provenance)
         store = cls.open(path)
-        if store.definition_hash != Definition(mesh, paths, **body).digest:
+        clear_partial_chunks(store.path)
+        if store.definition_hash != Definition(body, paths).digest:
             raise InputError(
                 f"store {path} was made for another mesh, load, material or element: "
                 "name another, or delete it"

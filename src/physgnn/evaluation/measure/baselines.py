@@ -26,7 +26,13 @@ QUICK = ("zero", "linear", "interpolation")  # made in seconds
 
 @cache
 def baseline_names() -> tuple[str, ...]:
-    """Return the methods there are that are fitted in one go."""
+    """Return the methods there are that are fitted in one go.
+
+    Returns
+    -------
+    tuple of str
+        Rows of `physgnn.learning.models.MODELS`.
+    """
     return tuple(k for k in MODELS if not issubclass(model_class(k), Network))
 
 
@@ -57,6 +63,11 @@ def baseline_rows(
         What is tested on, and what may be learnt from.
     seeds : sequence of int
         Those that the runs beside have.
+
+    Returns
+    -------
+    list of Row
+        In the order of the names.
 
     Raises
     ------

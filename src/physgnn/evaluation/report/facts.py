@@ -3,7 +3,6 @@
 import os
 import platform
 from collections.abc import Mapping
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from physgnn.geometry.regions import region_name
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.mechanics.materials.table import material_to_config
 from physgnn.prediction.error_bounds.calibration import Calibration
+from physgnn.versions import release
 
 LIBRARIES = ("physgnn", "numpy", "scipy", "torch", "zarr")
 
@@ -103,7 +103,7 @@ def provenance_facts(store: Store, checkpoint: Checkpoint, command: str) -> Any:
         "dataset_made_by": _pairs(store.provenance),
         "trained_on_data": f"sha256 {record['data']['hash']}",
         "mesh": f"sha256 {store.mesh.content_hash}",
-        "versions": _pairs({name: version(name) for name in LIBRARIES}),
+        "versions": _pairs({name: release(name) for name in LIBRARIES}),
         "python": f"{platform.python_version()} on {platform.platform()}",
     }
 

@@ -1,14 +1,10 @@
-"""The figures of a report, each saved for a light and for a dark page."""
+"""The figures of a report: which samples are shown, and what of them."""
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Colormap, Normalize
+from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -24,6 +20,12 @@ from physgnn.evaluation.report.charts import (
     level_chart,
 )
 from physgnn.evaluation.report.coverage_chart import bars_chart
+from physgnn.evaluation.report.panels import (
+    Picture,
+    colour_bar,
+    save_picture,
+    side_by_side,
+)
 from physgnn.evaluation.report.scenes import Pixels, View
 from physgnn.evaluation.report.style import (
     BRAIN,
@@ -31,37 +33,14 @@ from physgnn.evaluation.report.style import (
     ERROR_MAP,
     FIXED,
     LOADED,
-    THEMES,
     TUMOUR,
     label,
 )
 from physgnn.imaging import slices_of_shift
 from physgnn.imaging.template import bundled_t1
-from physgnn.io.integrity.atomic import whole_file
 from physgnn.prediction.prediction import Predict
 
-DPI = 160
-WIDTH, AROUND_PANELS = 9.6, 1.1  # inches; height of titles and colour bars
 SATURATED = 99.5  # percentile where colours end: a few loaded points move much more
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure on disk.
-
-    Attributes
-    ----------
-    name : str
-        File name without theme and ending.
-    caption : str
-        What it shows, for readers and for screen readers.
-    files : tuple of Path
-        PNG for a light page, PNG for a dark page.
-    """
-
-    name: str
-    caption: str
-    files: tuple[Path, ...]
 
 
 def draw_figures(
@@ -86,14 +65,14 @@ def draw_figures(
         _draw_case(store, model, folder),
         _draw_deformed(store, model, folder),
         _draw_slices(store, model, predict, folder),
-        _save(
+        save_picture(
             "error_over_level",
             "Euclidean error over the load: the mean over nodes and samples on the "
             "left, the mean of the samples' largest on the right; logarithmic.",
             lambda: level_chart(report),
             folder,
         ),
-        _save(
+        save_picture(
             "error_histogram",
             "How the Euclidean errors of all nodes and samples are distributed.",
             lambda: histogram_chart(report),
@@ -106,7 +85,7 @@ def draw_figures(
             "the line are within the bound."
         )
         made.append(
-            _save("error_bound", caption, lambda: estimate_chart(model), folder)
+            save_picture("error_bound", caption, lambda: estimate_chart(model), folder)
         )
     made.append(_draw_worst(store, model, predict, folder))
     return tuple(made)
@@ -114,7 +93,7 @@ def draw_figures(
 
 def draw_bars(samples: Sequence[BarSample], folder: Path) -> Picture:
     """Draw how far error estimates and bounds can be trusted."""
-    return _save(
+    return save_picture(
         "error_bars",
         f"Error estimates and bounds beside the true error, {len(samples)} samples: "
         "the physical estimate over it (shaded: within a factor of two), how often "
@@ -135,7 +114,7 @@ def _draw_case(store: Store, model: ModelErrors, folder: Path) -> Picture:
     )
 
     def figure() -> Figure:
-        made, _ = _panels(images, ("Fixed and loaded points", "Mesh, cut open"))
+        made, _ = side_by_side(images, ("Fixed and loaded points", "Mesh, cut open"))
         kinds = (("fixed", FIXED), ("loaded, force", LOADED), ("tumour", TUMOUR))
         dots = [
             Line2D([], [], marker="o", linestyle="", color=paint, label=name)
@@ -144,7 +123,7 @@ def _draw_case(store: Store, model: ModelErrors, folder: Path) -> Picture:
         made.legend(handles=dots, loc="outside lower center", ncols=4)
         return made
 
-    return _save(
+    return save_picture(
         "case",
         f"The case: {mesh.n_points} points, {mesh.n_cells} tetrahedra, "
         f"{len(store.fixed)} fixed and {len(path.nodes)} loaded points.",
@@ -167,11 +146,11 @@ def _draw_deformed(store: Store, model: ModelErrors, folder: Path) -> Picture:
 
     def figure() -> Figure:
         titles = ("Deformed surface", "Cut through the tumour; grey line: at rest")
-        made, axes = _panels(images, titles)
-        _colour_bar(made, axes, DISPLACEMENT_MAP, limits, "displacement, mm")
+        made, axes = side_by_side(images, titles)
+        colour_bar(made, axes, DISPLACEMENT_MAP, limits, "displacement, mm")
         return made
 
-    return _save(
+    return save_picture(
         "deformed",
         f"The finite-element solution for load path {sample.path} at "
         f"{100 * sample.load_factor:.0f} % load, true to scale; it moves up to "
@@ -189,7 +168,7 @@ def _draw_slices(
     predicted = predict(case, estimate=Estimate.QUICK).displacement
     image = bundled_t1(store.mesh)
     shown = "The tissues" if image is None else "The T1-weighted image"
-    return _save(
+    return save_picture(
         "slices",
         f"{shown} before and after, as predicted for load path {sample.path} at "
         f"{100 * sample.load_factor:.0f} % load, and squares of each in turn: where "
@@ -229,12 +208,12 @@ def _draw_worst(
 
     def figure() -> Figure:
         titles = ("Finite elements", label(model.name), "Error of the prediction")
-        made, axes = _panels(images, titles)
-        _colour_bar(made, axes[:2], DISPLACEMENT_MAP, limits, "displacement, mm")
-        _colour_bar(made, axes[2:], ERROR_MAP, errors, "error, mm")
+        made, axes = side_by_side(images, titles)
+        colour_bar(made, axes[:2], DISPLACEMENT_MAP, limits, "displacement, mm")
+        colour_bar(made, axes[2:], ERROR_MAP, errors, "error, mm")
         return made
 
-    return _save(
+    return save_picture(
         "worst_case",
         f"The worst case of {len(model.samples)}: load path {sample.path} at "
         f"{100 * sample.load_factor:.0f} % load. Mean error {sample.mean:.2g} mm, "
@@ -242,61 +221,3 @@ def _draw_worst(
         figure,
         folder,
     )
-
-
-def _panels(
-    images: tuple[Pixels, ...], titles: tuple[str, ...]
-) -> tuple[Figure, list[Axes]]:
-    """Return a figure with one image beside the other, their margins cut off."""
-    cropped = _cropped(images)
-    rows, columns = cropped[0].shape[:2]
-    height = WIDTH / len(images) * rows / columns + AROUND_PANELS
-    made = Figure(figsize=(WIDTH, height), layout="constrained")
-    axes = [made.add_subplot(1, len(images), i + 1) for i in range(len(images))]
-    for panel, image, title in zip(axes, cropped, titles, strict=True):
-        panel.imshow(image)
-        panel.set_title(title, loc="center")
-        panel.axis("off")
-    return made, axes
-
-
-def _cropped(images: Iterable[Pixels]) -> list[Pixels]:
-    """Cut the margins that are empty in every image, so that all keep one scale."""
-    stack = np.stack(list(images))
-    drawn = np.any(stack[..., 3] > 0, axis=0)
-    rows, columns = (np.flatnonzero(np.any(drawn, axis=i)) for i in (1, 0))
-    return list(stack[:, rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
-
-
-def _colour_bar(
-    figure: Figure,
-    axes: list[Axes],
-    colours: Colormap,
-    limits: tuple[float, float],
-    text: str,
-) -> None:
-    scale = ScalarMappable(Normalize(*limits), colours)
-    figure.colorbar(
-        scale,
-        ax=axes,
-        orientation="horizontal",
-        label=text,
-        extend="max",
-        shrink=0.6 if len(axes) > 1 else 0.9,
-        aspect=30 if len(axes) > 1 else 22,
-        pad=0.03,
-    )
-
-
-def _save(
-    name: str, caption: str, figure: Callable[[], Figure], folder: Path
-) -> Picture:
-    """Draw a figure once a theme and save it."""
-    files = []
-    for theme in THEMES:
-        with mpl.rc_context(theme.settings()):
-            file = folder / f"{name}_{theme.name}.png"
-            with whole_file(file) as part:
-                figure().savefig(part, dpi=DPI, transparent=True)
-            files.append(file)
-    return Picture(name, caption, tuple(files))

@@ -13,8 +13,8 @@ from physgnn.evaluation.measure.against_linear import beats_linear
 from physgnn.evaluation.measure.gentle_loads import GENTLE_N
 from physgnn.evaluation.measure.result import ModelErrors, Report
 from physgnn.evaluation.report import published, tables
-from physgnn.evaluation.report.figures import Picture
 from physgnn.evaluation.report.formats import duration, mm, percent
+from physgnn.evaluation.report.panels import Picture
 from physgnn.evaluation.report.style import colour, label
 from physgnn.evaluation.report.tables import Table, group_label
 from physgnn.evaluation.report.verdict import linear_warning

@@ -82,7 +82,18 @@ def radius_edge_ratio(mesh: TetMesh) -> FloatArray:
 
 
 def quality(mesh: TetMesh) -> Quality:
-    """Summarise a mesh."""
+    """Summarise a mesh.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The mesh; lengths in mm.
+
+    Returns
+    -------
+    Quality
+        Mean ratio, dihedral angle and radius–edge ratio of the worst cells.
+    """
     shape = mean_ratio(mesh)
     return Quality(
         mean_ratio_min=float(shape.min()),
@@ -102,6 +113,11 @@ def check_quality(mesh: TetMesh, floor: float = DEFAULT_FLOOR) -> Quality:
         The mesh.
     floor : float
         Smallest mean ratio accepted, in [0, 1).
+
+    Returns
+    -------
+    Quality
+        The summary.
 
     Raises
     ------

@@ -98,6 +98,16 @@ def paper_max_volume(surface: Surface) -> float:
 
     Twice the volume of the regular tetrahedron, h³/(6√2), on the mean edge length h
     of the merged surfaces.
+
+    Parameters
+    ----------
+    surface : Surface
+        The merged surfaces; mm.
+
+    Returns
+    -------
+    float
+        mm³.
     """
     return float(2.0 * edge_lengths(surface).mean() ** 3 / (6.0 * np.sqrt(2.0)))
 

@@ -1,7 +1,7 @@
 """Which label means which tissue, by the name of a convention or in plain words."""
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -117,9 +117,13 @@ _MSD = LabelTable(
     needs_mask=True,
 )
 
+SEGMENTED = LabelTable({"brain": (1,), "tumour": (2,), "ventricle": (3,)})
+"""What ``physgnn segment`` writes."""
+
 LABEL_TABLES: Mapping[str, LabelTable] = MappingProxyType(
     {
         "mask": LabelTable({"brain": (1,)}),
+        "segment": SEGMENTED,
         # whichever of the next three the labels found are of, see `resolved`
         "brats": LabelTable(
             {"brain": (MASKED, 2), "tumour": (1, 3, 4)}, needs_mask=True
@@ -134,18 +138,21 @@ LABEL_TABLES: Mapping[str, LabelTable] = MappingProxyType(
     }
 )
 
-BRATS = "brats"
+MASK, BRATS = "mask", "brats"
+# A brain mask with tumour and ventricles in it: label 1 is most of it, and more than
+# any tumour has, ml.
+MOST_BRAIN, LARGER_THAN_TUMOURS_ML = 0.75, 400.0
 ENHANCING_2020, ENHANCING_2023 = 4, 3
 
 
-def resolved(text: str, present: Collection[int]) -> tuple[str, list[str]]:
+def resolved(text: str, present: Mapping[int, float]) -> tuple[str, list[str]]:
     """Return which convention is meant where a name stands for several.
 
     Parameters
     ----------
     text : str
         As of `label_table`.
-    present : collection of int
+    present : mapping of label to ml
         The labels found.
 
     Returns
@@ -153,6 +160,11 @@ def resolved(text: str, present: Collection[int]) -> tuple[str, list[str]]:
     str, list of str
         What to give to `label_table`, and a line that says what was decided.
     """
+    if text == MASK and _is_segmented(present):
+        meant = ", ".join(
+            f"{labels[0]} {tissue}" for tissue, labels in SEGMENTED.labels.items()
+        )
+        return "segment", [f"labels: taken for those of physgnn segment ({meant})"]
     if text != BRATS:
         return text, []
     if ENHANCING_2020 in present and ENHANCING_2023 in present:
@@ -168,6 +180,17 @@ def resolved(text: str, present: Collection[int]) -> tuple[str, list[str]]:
         f"labels: brats taken for {name} ({meanings}), by the labels that are there; "
         "name another of brats-2020, brats-2023, brats-post and msd if that is wrong"
     ]
+
+
+def _is_segmented(present: Mapping[int, float]) -> bool:
+    """Return whether labels are those of ``physgnn segment``, by their volumes."""
+    brain = present.get(SEGMENTED.labels["brain"][0], 0.0)
+    return (
+        len(present) > 1
+        and all(SEGMENTED.tissue(label) is not None for label in present)
+        and brain >= LARGER_THAN_TUMOURS_ML
+        and brain >= MOST_BRAIN * sum(present.values())
+    )
 
 
 def label_table(text: str) -> LabelTable:

@@ -55,6 +55,13 @@ def check_surface(surface: Surface, name: str) -> tuple[Surface, list[str]]:
 def check_nested(brain: Surface, tumours: Sequence[Surface]) -> None:
     """Check that tumours lie wholly inside the brain and apart from each other.
 
+    Parameters
+    ----------
+    brain : Surface
+        Closed and outward; mm.
+    tumours : sequence of Surface
+        Each closed and outward; mm.
+
     Raises
     ------
     InputError
@@ -86,6 +93,18 @@ def contains(surface: Surface, point: FloatArray) -> bool:
 
     The solid angle all faces subtend is 4π inside and 0 outside (van Oosterom and
     Strackee, IEEE Trans. Biomed. Eng. 30, 1983).
+
+    Parameters
+    ----------
+    surface : Surface
+        Closed triangles, counter-clockwise seen from outside; mm.
+    point : (3,) array
+        mm.
+
+    Returns
+    -------
+    bool
+        True inside.
     """
     a, b, c = np.moveaxis((surface.points - point)[surface.faces], 1, 0)
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))

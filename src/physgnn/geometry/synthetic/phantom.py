@@ -65,6 +65,11 @@ def mni152_phantom(
     depth_mm : float
         Brain tissue between the tumour and the cortex above it, ≥ 3 mm.
 
+    Returns
+    -------
+    Phantom
+        The surfaces of brain and tumour, and the place of the craniotomy; mm.
+
     Raises
     ------
     InputError

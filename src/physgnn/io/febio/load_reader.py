@@ -23,6 +23,9 @@ FORCE = ("nodal_load", "nodal_load")
 GRAVITY = ("body_load", "body force")
 PRESSURE = ("surface_load", "pressure")
 PRESCRIBED = "prescribed displacement"
+# What a load curve does between its points and beyond them unless it says otherwise
+# (FEBio User Manual 4, LoadData section).
+LINEAR, CONSTANT = "LINEAR", "CONSTANT"
 
 Index = Callable[[list[float]], IntArray]
 
@@ -190,15 +193,32 @@ class LoadReader:
 
     def _curve(self, name: str, times: FloatArray) -> FloatArray:
         curve = named(self.root, "LoadData/load_controller", name, attribute="id")
-        found = [] if curve is None else curve.findall("points/pt")
-        points = [floats(point) for point in found]
-        if not points:
+        points = [] if curve is None else curve.findall("points/pt")
+        if curve is None or not points:
             raise InputError(f"there is no load curve '{name}'")
-        time, value = np.array(points).T
+        time, value = np.array([floats(point) for point in points]).T
+        _check_linear(curve, name)
         if (np.diff(time) <= 0).any():
             raise InputError(f"the times of load curve '{name}' must increase")
+        extended = (curve.findtext("extend") or CONSTANT).strip()
+        beyond = times.min() < time[0] or times.max() > time[-1]
+        if beyond and extended.upper() != CONSTANT:
+            raise InputError(
+                f"load curve '{name}' must reach from the first step to the last, or "
+                f"<extend> must be {CONSTANT} (got {extended})"
+            )
         factors: FloatArray = np.interp(times, time, value)
         return factors
+
+
+def _check_linear(curve: ET.Element, name: str) -> None:
+    """Raise InputError if FEBio would not join a curve's points by straight lines."""
+    between = (curve.findtext("interpolate") or LINEAR).strip()
+    if between.upper() != LINEAR:
+        raise InputError(
+            f"load curve '{name}' must be interpolated linearly: <interpolate> must be "
+            f"{LINEAR} (got {between}); give it a point at every step instead"
+        )
 
 
 def _scaled(load: Load, factor: float) -> Load:

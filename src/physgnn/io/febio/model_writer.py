@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from physgnn.arrays import FloatArray, IntArray
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio.elements import AXES, CURVE, add, listed, moved_point
@@ -24,9 +24,11 @@ from physgnn.io.febio.load_writer import (
 )
 from physgnn.io.febio.materials import febio_material
 from physgnn.io.integrity.atomic import write_whole
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material
+from physgnn.mechanics.support import check_held
 
 REGION_PREFIX = "region-"
 DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -50,11 +52,8 @@ TOLERANCES = {
 
 def write_febio(
     path: str | Path,
-    mesh: TetMesh,
+    body: Body,
     load_path: LoadPath,
-    *,
-    materials: Mapping[int, Material],
-    fixed: IntArray,
 ) -> None:
     """Write a model whose steps are the levels of a load path.
 
@@ -62,29 +61,26 @@ def write_febio(
     ----------
     path : path
         Ends in .feb; FEBio writes its log of displacements beside it, see `log_of`.
-    mesh : TetMesh
-        One part a region.
+    body : Body
+        Its mesh becomes one part a region; its element is not written.
     load_path : LoadPath
         Nodal forces and other loads; neither forces nor prescribed displacements may
         be on fixed points.
-    materials : mapping of region to material
-        One for every region of the mesh.
-    fixed : (n_fixed,) integer array
-        Points held at zero displacement.
 
     Raises
     ------
     InputError
-        If the name does not end in .feb, the load does not fit the mesh, FEBio has no
-        such load, or a region has no material.
+        If the name does not end in .feb, the load does not fit the body or leaves a
+        part of it free to move, or FEBio has no such load.
     """
     path = Path(path)
     if path.suffix != ".feb":
         raise InputError(
             f"{path}: a FEBio model is written as .feb (got '{path.suffix}')"
         )
-    Loading(mesh, load_path, fixed)  # refuses loads that do not fit
-    root = _model(mesh, load_path, materials, fixed)
+    loading = Loading(body.mesh, load_path, body.fixed)  # refuses what does not fit
+    check_held(body.mesh, np.union1d(body.fixed, loading.held))
+    root = _model(body, load_path)
     _add_output(root, log_of(path).name)
     ET.indent(root)
     # FEBio has a reader of its own: it gets the first line, and the ends of empty
@@ -98,24 +94,20 @@ def log_of(model: Path) -> Path:
     return model.with_name(f"{model.stem}-displacement.log")
 
 
-def _model(
-    mesh: TetMesh,
-    load_path: LoadPath,
-    materials: Mapping[int, Material],
-    fixed: IntArray,
-) -> ET.Element:
+def _model(body: Body, load_path: LoadPath) -> ET.Element:
     """Return the model, all but what it puts out."""
+    mesh = body.mesh
     root = ET.Element("febio_spec", version="4.0")
     sections = {name: add(root, name) for name in SECTIONS}
     regions = np.unique(mesh.region).tolist()
     sections["Module"].set("type", "solid")
     _add_control(sections["Control"], load_path)
-    _add_materials(sections["Material"], regions, materials, density_of(load_path))
+    _add_materials(sections["Material"], regions, body.materials, density_of(load_path))
     _add_mesh(sections["Mesh"], mesh, regions)
     for region in regions:
         part = _part(region)
         add(sections["MeshDomains"], "SolidDomain", name=part, mat=part)
-    add(sections["Mesh"], "NodeSet", listed((fixed + 1).tolist()), name="fixed")
+    add(sections["Mesh"], "NodeSet", listed((body.fixed + 1).tolist()), name="fixed")
     _add_fixed(sections["Boundary"])
     add_loads(sections, load_path)
     _add_load_curve(sections["LoadData"], load_path.load_factors)

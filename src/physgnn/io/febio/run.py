@@ -49,17 +49,14 @@ class FebioSolver:
         started = time.perf_counter()
         with tempfile.TemporaryDirectory(prefix="physgnn-febio-") as folder:
             file = Path(folder) / "model.feb"
-            body = self._body
-            write_febio(
-                file, body.mesh, path, materials=body.materials, fixed=body.fixed
-            )
+            write_febio(file, self._body, path)
             printed = self._run(file)
             log = log_of(file)
             if not log.is_file() or log.stat().st_size == 0:
                 last = (printed.strip().splitlines() or ["nothing printed"])[-1]
                 raise InputError(f"FEBio ended without a result: {last.strip()}")
             times = np.arange(1.0, path.n_levels + 1)
-            node_ids = np.arange(1, body.mesh.n_points + 1)
+            node_ids = np.arange(1, self._body.mesh.n_points + 1)
             solution = read_febio_log(log, path, times=times, node_ids=node_ids)
         if INVERTED in printed.lower():
             status = solution.status.copy()

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from physgnn.errors import InputError
 from physgnn.io.integrity.completeness import what_is_missing
+from physgnn.io.integrity.strays import beside, clear_strays
 
 
 def check_folder(path: Path) -> None:
@@ -32,7 +33,8 @@ def whole_file(
 
     The process id in its name keeps two writers apart; the suffixes stay last, since
     some writers choose the format by them. An older file stays as it is until the new
-    one is on the disk and complete.
+    one is on the disk and complete. What a killed process left of the same file is
+    removed.
 
     Parameters
     ----------
@@ -49,17 +51,12 @@ def whole_file(
         If the folder does not exist, or the file cannot be written whole.
     """
     check_folder(path)
-    part = _beside(path)
+    clear_strays(path.parent, path.name)
+    part = beside(path)
     try:
         with _refusals(path, refused):
             yield part
-            _to_disk(part)
-            missing = what_is_missing(part, may_be_empty=may_be_empty)
-            if missing is not None:
-                raise InputError(
-                    f"cannot write {path}: {missing}; is the disk full, or a quota "
-                    "used up?"
-                )
+            _check(part, path, may_be_empty=may_be_empty)
             part.replace(path)
             _to_disk(path.parent)
     finally:
@@ -91,7 +88,9 @@ def write_whole(path: Path, text: str) -> None:
 def whole_folder(path: Path) -> Iterator[Path]:
     """Yield a path beside `path` to make a folder at; on success it takes its place.
 
-    The folder that shall hold both is made if it is missing.
+    The folder that shall hold both is made if it is missing. Every file in it is on the
+    disk and complete before it takes its place. What a killed process left of the same
+    folder is removed.
 
     Raises
     ------
@@ -100,19 +99,28 @@ def whole_folder(path: Path) -> Iterator[Path]:
     """
     if path.exists():
         raise InputError(f"{path} exists already: name another folder")
-    part = _beside(path)
+    part = beside(path)
     try:
         with _refusals(path, ()):
             path.parent.mkdir(parents=True, exist_ok=True)
+            clear_strays(path.parent, path.name)
             yield part
+            for inner in sorted(part.rglob("*")):
+                _check(inner, path / inner.relative_to(part))
             part.rename(path)
             _to_disk(path.parent)
     finally:
         shutil.rmtree(part, ignore_errors=True)
 
 
-def _beside(path: Path) -> Path:
-    return path.with_name(f".{os.getpid()}.{path.name}")
+def _check(part: Path, path: Path, *, may_be_empty: bool = False) -> None:
+    """Raise InputError unless what shall stand at `path` is whole and on the disk."""
+    _to_disk(part)
+    missing = what_is_missing(part, may_be_empty=may_be_empty)
+    if missing is not None:
+        raise InputError(
+            f"cannot write {path}: {missing}; is the disk full, or a quota used up?"
+        )
 
 
 @contextmanager
@@ -120,17 +128,23 @@ def _refusals(path: Path, refused: tuple[type[Exception], ...]) -> Iterator[None
     """Name the file that was wanted, not the one beside it."""
     try:
         yield
+    except InputError as error:
+        if beside(path).name not in str(error):
+            raise
+        text = str(error).replace(beside(path).name, path.name)
+        raise InputError(text) from error
     except OSError as error:
-        if error.filename is not None and not _is_part(error.filename, path):
+        names = [name for name in (error.filename, error.filename2) if name is not None]
+        if names and not any(_is_part(name, path) for name in names):
             raise  # of another file
         raise InputError(f"cannot write {path}: {error.strerror or error}") from error
     except refused as error:
-        reason = " ".join(str(error).split()).replace(_beside(path).name, path.name)
+        reason = " ".join(str(error).split()).replace(beside(path).name, path.name)
         raise InputError(f"cannot write {path}: {reason}") from error
 
 
 def _is_part(name: object, path: Path) -> bool:
-    return _beside(path).name in str(name) or str(name) in (str(path), str(path.parent))
+    return beside(path).name in str(name) or str(name) in (str(path), str(path.parent))
 
 
 def _to_disk(path: Path) -> None:

@@ -38,6 +38,16 @@ def read_surface(path: str | Path) -> Surface:
     Polygons are cut into triangles and equal points made one, sorted by (x, y, z).
     Whether the surface can be meshed is for `physgnn.geometry.check_surface` to say.
 
+    Parameters
+    ----------
+    path : path
+        The file: .stl, .ply, .obj or .vtp; points in mm.
+
+    Returns
+    -------
+    Surface
+        Points (n_points, 3), mm, and triangles (n_faces, 3).
+
     Raises
     ------
     InputError

@@ -19,7 +19,8 @@ import numpy as np
 from physgnn.errors import InputError
 from physgnn.io.untrusted import reader_process
 from physgnn.io.untrusted.compressed import read_npz
-from physgnn.io.untrusted.limits import GB, allowed_bytes
+from physgnn.io.untrusted.limits import allowed_bytes
+from physgnn.memory_limits import GB
 
 TIMEOUT_S = 60.0
 # What the libraries and NumPy map themselves, and copies of the data on the way.

@@ -5,15 +5,14 @@ as many bytes as it has itself, or for `LIMIT_GB`, whichever is more. Who means 
 larger one sets the environment variable ``PHYSGNN_READ_LIMIT_GB``.
 """
 
-import os
 from pathlib import Path
 
 from physgnn.errors import InputError
+from physgnn.memory_limits import GB, gigabytes
 
 VARIABLE = "PHYSGNN_READ_LIMIT_GB"
 # A head at 0.25 mm in 16 bits, or a thousand load levels on 80,000 points.
 LIMIT_GB = 2.0
-GB = 1e9
 
 
 def allowed_bytes(path: str | Path) -> int:
@@ -24,16 +23,7 @@ def allowed_bytes(path: str | Path) -> int:
     InputError
         If the environment variable is no number > 0.
     """
-    text = os.environ.get(VARIABLE, "")
-    try:
-        limit = float(text) if text else LIMIT_GB
-    except ValueError:
-        limit = 0.0
-    if not 0.0 < limit < float("inf"):
-        raise InputError(
-            f"{VARIABLE} must be a number of gigabytes > 0 (got '{text}'): "
-            f"set it to such as {LIMIT_GB:g}, or leave it unset"
-        )
+    limit = gigabytes(VARIABLE, LIMIT_GB)
     return max(int(limit * GB), Path(path).stat().st_size)
 
 

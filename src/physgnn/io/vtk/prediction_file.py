@@ -33,7 +33,7 @@ def read_displacement(
     path : path
         VTU, as `physgnn predict` or `write_prediction` leaves it.
     log : callable
-        Told of the reasons why the displacement was not called ok, if there are any.
+        Called with the reasons why the displacement was not called ok, if any.
 
     Raises
     ------

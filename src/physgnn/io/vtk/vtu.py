@@ -29,6 +29,13 @@ SPACE, RAS = "SPACE", "RAS"
 def write_mesh(path: str | Path, mesh: TetMesh) -> None:
     """Write a mesh with its regions and point sets; `read_mesh` gives it back exactly.
 
+    Parameters
+    ----------
+    path : path
+        Where it goes, .vtu.
+    mesh : TetMesh
+        The mesh; lengths in mm.
+
     Raises
     ------
     InputError
@@ -85,6 +92,16 @@ def add_notes(data: pv.DataSet, notes: Mapping[str, Sequence[str]] | None) -> No
 
 def read_mesh(path: str | Path) -> TetMesh:
     """Read a mesh with its regions and point sets.
+
+    Parameters
+    ----------
+    path : path
+        The file, .vtu; points in mm.
+
+    Returns
+    -------
+    TetMesh
+        The mesh, bit for bit as `write_mesh` got it.
 
     Raises
     ------

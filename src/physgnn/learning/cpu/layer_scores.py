@@ -6,9 +6,9 @@ from operator import is_
 import torch
 from torch import Tensor, nn
 
-from physgnn.learning.cpu.data import Weights
+from physgnn.learning.cpu.common_layers import Shared, lstm_scores, read_shared
+from physgnn.learning.cpu.lstm_inputs import Weights
 from physgnn.learning.cpu.lstm_scores import Way
-from physgnn.learning.cpu.shared import Shared, lstm_scores, read_shared
 
 Direction = tuple[Weights, Shared | None]
 

@@ -13,8 +13,9 @@ import torch
 from torch import Tensor
 from torch.autograd.function import once_differentiable
 
+from physgnn.learning.cpu.block_steps import Back, Found, read, read_back
 from physgnn.learning.cpu.blocks import Block, Layout, blocks_of
-from physgnn.learning.cpu.data import (
+from physgnn.learning.cpu.lstm_inputs import (
     Array,
     Given,
     StepWeights,
@@ -23,7 +24,6 @@ from physgnn.learning.cpu.data import (
     as_array,
     blank_like,
 )
-from physgnn.learning.cpu.steps import Back, Found, read, read_back
 from physgnn.learning.cpu.threads import n_threads, side_by_side
 
 

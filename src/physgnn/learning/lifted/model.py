@@ -16,7 +16,7 @@ from torch import Tensor, nn
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.storage.store import Store
-from physgnn.dataset.training_loads import sample_forces
+from physgnn.dataset.training_loads import strongest_forces
 from physgnn.errors import InputError
 from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
@@ -127,7 +127,7 @@ class LiftedModel(Network):
     def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Find the anchors, the points near loads, and the modes."""
         del seed
-        self.expect(sample_forces(store, samples))
+        self.expect(strongest_forces(store, samples))
         if len(self.modes):
             self._fit_modes(store, samples)
 

@@ -5,14 +5,13 @@ from collections.abc import Mapping
 import torch
 from torch import nn
 
-from physgnn.choices import PrecisionName
 from physgnn.errors import InputError
 from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
 from physgnn.learning.physgnn.network import PhysGNN
 
 PRECISIONS: Mapping[str, torch.dtype | None] = {
-    PrecisionName.FLOAT32: None,
-    PrecisionName.BFLOAT16: torch.bfloat16,
+    "float32": None,
+    "bfloat16": torch.bfloat16,
 }
 
 

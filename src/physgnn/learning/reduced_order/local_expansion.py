@@ -30,18 +30,21 @@ from physgnn.mechanics.linear.direct_solver import make_linear_solver
 from physgnn.mechanics.loads.paths import LoadCase, LoadPath
 from physgnn.mechanics.reduced.load_distance import LoadDistance, farthest
 from physgnn.mechanics.reduced.local_expansion import LocalExpansion
+from physgnn.mechanics.reduced.recently_used import RecentlyUsed
 
-KEPT_AT_ONCE = 256  # expansions; one about 17 points takes 6 MB on 9000
 MAX_BYTES = 2 * 2**30  # of the anchors' columns
 FACTORS_AT_ONCE = 6  # of reference states, 80 MB each
 LEAST_MM = 1e-9  # a distance can't be zero in a weight
 FEW = 30  # loaded points; about more a prediction takes seconds
 
+_About = tuple[int | None, tuple[int, ...]]  # an anchor, or rest, and nodes
+
 
 class ReducedModel(Surrogate):
     """Local expansions about the rest state and some training samples.
 
-    Expansions are made when first needed (half a second each on 9000 points) and kept.
+    Expansions are made when first needed (half a second each on 9000 points) and kept,
+    as many as ``PHYSGNN_CACHE_GB`` holds.
 
     Parameters
     ----------
@@ -92,7 +95,10 @@ class ReducedModel(Surrogate):
         self.states = np.zeros(shape, dtype=np.float32)
         self.loads = np.zeros(shape, dtype=np.float32)
         self._known: _ReferenceLoads | None = None
-        self._about = lru_cache(KEPT_AT_ONCE)(self._expansion)
+        # One about 17 points takes 6 MB on 9000, one about hundreds a hundred.
+        self._kept: RecentlyUsed[_About, LocalExpansion] = RecentlyUsed(
+            self._expansion, lambda expansion: expansion.n_bytes
+        )
         self._state = lru_cache(FACTORS_AT_ONCE)(self._reference_state)
 
     def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
@@ -132,7 +138,7 @@ class ReducedModel(Surrogate):
     def forget(self) -> None:
         """Drop what was made from the anchors; it's made again when needed."""
         self._known = None
-        self._about.cache_clear()
+        self._kept.clear()
         self._state.cache_clear()
 
     def predict(self, load_case: LoadCase) -> FloatArray:
@@ -141,8 +147,7 @@ class ReducedModel(Surrogate):
         found = list(islice(self._converged(force), self.nearest_anchors))
         if not found:
             nodes = tuple(np.flatnonzero(force.any(axis=1)).tolist())
-            about_rest: LocalExpansion = self._about(None, nodes)
-            return about_rest(force).displacement
+            return self._kept((None, nodes))(force).displacement
         weights = np.array([weight for weight, _ in found])
         expansions = np.stack([u for _, u in found])
         mean: FloatArray = np.tensordot(weights / weights.sum(), expansions, axes=1)
@@ -180,7 +185,7 @@ class ReducedModel(Surrogate):
     def _converged(self, force: FloatArray) -> Iterator[tuple[float, FloatArray]]:
         """Yield weights and solutions about anchors, the nearest first."""
         for k, distance, nodes in self._nearest(force):
-            solution = self._about(k, nodes)(force)
+            solution = self._kept((k, nodes))(force)
             if solution.converged:
                 yield max(distance, LEAST_MM) ** -4.0, solution.displacement
 
@@ -201,8 +206,9 @@ class ReducedModel(Surrogate):
         state: FloatArray = self.states[k].astype(np.float64)
         return state
 
-    def _expansion(self, k: int | None, nodes: tuple[int, ...]) -> LocalExpansion:
+    def _expansion(self, about: _About) -> LocalExpansion:
         """Expand about an anchor, or the rest state, exact around some nodes."""
+        k, nodes = about
         hops = self.k_hops_from_rest if k is None else self.k_hops
         loaded = np.array(nodes, dtype=np.int64)
         near = points_within(self.body.mesh, loaded, hops)

@@ -5,6 +5,8 @@ points around loaded ones are unknowns of their own, a few weighted cells stand 
 (ECSW), and Newton's method finds the equilibrium in this space.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +24,15 @@ from physgnn.mechanics.reduced.pod import leading_modes
 
 MAX_SNAPSHOTS = 600  # for the modes
 MAX_STATES = 24  # for the weights: (modes × states × cells) numbers in memory
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """A load (n_points, 3), N, what it leads to, mm, and whether that converged."""
+
+    force: FloatArray
+    displacement: FloatArray
+    converged: bool
 
 
 class GalerkinModel(Surrogate):
@@ -68,6 +79,7 @@ class GalerkinModel(Surrogate):
         self.modes = np.zeros((pod_modes, n, 3), dtype=np.float32)
         self.weights = np.ones(body.mesh.n_cells, dtype=np.float32)
         self._small: GalerkinBody | None = None
+        self._last: _Solved | None = None
 
     def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Find the modes and the weights."""
@@ -105,10 +117,25 @@ class GalerkinModel(Surrogate):
         """Take points, modes and weights."""
         self.near, self.modes = arrays["near"], arrays["modes"]
         self.weights = arrays["weights"]
-        self._small = None
+        self._small = self._last = None
 
     def predict(self, load_case: LoadCase) -> FloatArray:
         """Return the equilibrium in the small space, (n_points, 3), mm."""
+        return self._solved(load_case).displacement.copy()
+
+    def is_sound(self, load_case: LoadCase) -> bool:
+        """Return whether Newton's method converged in the small space."""
+        return self._solved(load_case).converged
+
+    def _solved(self, load_case: LoadCase) -> _Solved:
+        """Solve, unless this very load was the last one solved."""
+        force = load_case.on_points(self.body.mesh.n_points)
+        if self._last is None or not np.array_equal(self._last.force, force):
+            u, found = self._made().solve(force)
+            self._last = _Solved(force, u, found.converged)
+        return self._last
+
+    def _made(self) -> GalerkinBody:
         if self._small is None:
             self._small = GalerkinBody(
                 self.body.elements,
@@ -116,8 +143,7 @@ class GalerkinModel(Surrogate):
                 np.flatnonzero(self.near),
                 self.modes.astype(np.float64),
             )
-        force = load_case.on_points(self.body.mesh.n_points)
-        return self._small.solve(force)[0]
+        return self._small
 
 
 def _states(store: Store, samples: IntArray, n_most: int) -> FloatArray:

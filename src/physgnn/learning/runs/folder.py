@@ -5,8 +5,8 @@ from pathlib import Path
 
 
 @dataclass(frozen=True)
-class RunFolder:
-    """Where a trained model is kept.
+class Folder:
+    """Where files of known names lie.
 
     Parameters
     ----------
@@ -18,6 +18,11 @@ class RunFolder:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "path", Path(self.path))
+
+
+@dataclass(frozen=True)
+class RunFolder(Folder):
+    """Where a trained model is kept."""
 
     @property
     def record(self) -> Path:
@@ -80,19 +85,8 @@ class RunFolder:
 
 
 @dataclass(frozen=True)
-class EvaluationFolder:
-    """Where an evaluation is kept.
-
-    Parameters
-    ----------
-    path : path
-        The folder; it need not exist yet.
-    """
-
-    path: Path
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "path", Path(self.path))
+class EvaluationFolder(Folder):
+    """Where an evaluation is kept."""
 
     @property
     def metrics(self) -> Path:

@@ -10,9 +10,8 @@ Whenever the process ends, every file that the manifest lists is as the manifest
 """
 
 import logging
-import os
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from functools import cache
 from pathlib import Path
 
@@ -102,23 +101,6 @@ def note_missing(run: Path) -> None:
 @cache
 def _note(run: Path) -> None:
     logging.getLogger(__name__).warning(without_digest(run))
-
-
-def clear_unfinished(run: Path) -> None:
-    """Remove what a killed process left beside the files it was writing."""
-    for file in run.glob(".*.*"):
-        process = file.name.split(".")[1]
-        if process.isdigit() and not _is_alive(int(process)):
-            file.unlink(missing_ok=True)
-
-
-def _is_alive(process: int) -> bool:
-    with suppress(PermissionError):  # alive, and another user's
-        try:
-            os.kill(process, 0)
-        except (ProcessLookupError, OverflowError):
-            return False
-    return True
 
 
 def check_there(run: Path, *files: Path) -> None:

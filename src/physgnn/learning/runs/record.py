@@ -4,12 +4,10 @@ import hashlib
 import json
 import os
 from collections.abc import Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
 
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
@@ -17,8 +15,9 @@ from physgnn.errors import InputError
 from physgnn.learning.models import method_name, method_options, resolved_options
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.parts import check_part
+from physgnn.versions import release
 
-VERSIONED = ("physgnn", "lightning", "numpy")
+VERSIONED = ("physgnn", "lightning", "numpy", "torch")
 EXTENDABLE = {"clock", "max_epochs", "max_minutes", "memory_mb"}
 
 
@@ -64,10 +63,7 @@ def new_record(
     hashes = [store.content_hash() for store in stores]
     return {
         "config": {**config, "options": options},
-        "versions": {
-            **{name: version(name) for name in VERSIONED},
-            "torch": str(torch.__version__),  # its metadata may leave out the build
-        },
+        "versions": {name: release(name) for name in VERSIONED},
         "data": {
             "path": str(stores[0].path),
             "paths": [str(store.path) for store in stores],

@@ -7,12 +7,11 @@ from typing import Any
 
 from lightning.pytorch import Callback, Trainer
 
-from physgnn.choices import Clock
 from physgnn.learning.training.config import TrainingConfig
 
 CLOCKS: Mapping[str, Callable[[], float]] = {
-    Clock.WALL.value: time.monotonic,
-    Clock.PROCESSOR.value: time.process_time,  # of all threads
+    "wall": time.monotonic,
+    "processor": time.process_time,  # of all threads
 }
 """What can be counted, in seconds."""
 

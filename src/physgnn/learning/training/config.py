@@ -87,16 +87,17 @@ class TrainingConfig:
         options = method_options(self.model, self.options)
         object.__setattr__(self, "options", options)
         object.__setattr__(self, "model", method_name(self.model))
-        for name, allowed in (
-            ("loss", choices.LossName), ("schedule", choices.Schedule),
-            ("precision", choices.PrecisionName), ("clock", choices.Clock),
+        for name, choice in (
+            ("loss", "LossName"), ("schedule", "Schedule"),
+            ("precision", "PrecisionName"), ("clock", "Clock"),
         ):  # fmt: skip
-            if getattr(self, name) not in [*allowed]:
+            allowed = choices.names(choice)
+            if getattr(self, name) not in allowed:
                 raise InputError(
                     f"{name} must be one of {', '.join(allowed)} "
                     f"(got {getattr(self, name)})"
                 )
-            # Plain text of an enum's member: checkpoints hold no classes of ours.
+            # Plain text, not an enum's member: checkpoints hold no classes of ours.
             object.__setattr__(self, name, str(getattr(self, name)))
         for name in (
             "batch_size", "learning_rate", "early_stopping", "max_epochs", "memory_mb"

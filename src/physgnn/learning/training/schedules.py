@@ -7,7 +7,6 @@ from typing import Any
 from lightning.pytorch import Callback, LightningModule, Trainer
 from torch.optim.lr_scheduler import ReduceLROnPlateau
 
-from physgnn.choices import Schedule
 from physgnn.learning.training.budget import Budget
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.lightning_module import VALIDATION_LOSS
@@ -66,6 +65,6 @@ class Cosine(Callback):
 
 
 SCHEDULES: Mapping[str, type[Plateau] | type[Cosine]] = {
-    Schedule.PLATEAU: Plateau,
-    Schedule.COSINE: Cosine,
+    "plateau": Plateau,
+    "cosine": Cosine,
 }

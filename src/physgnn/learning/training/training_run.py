@@ -88,7 +88,7 @@ def train(
     run : path
         Folder for weights, record, mesh, metrics; every epoch leaves it usable.
     progress : callable, optional
-        Told the part of the budget spent, in thousandths.
+        Called with the part of the budget spent, in thousandths.
     machine : Machine
         Where to compute, in how many processes.
     resume : bool

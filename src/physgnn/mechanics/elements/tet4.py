@@ -12,7 +12,6 @@ from numba import njit
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.choices import Element
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh, shape_gradients
 from physgnn.mechanics.elements.averaged_pressure import (
@@ -25,8 +24,8 @@ from physgnn.mechanics.elements.cell_kinematics import kinematics, volume_change
 from physgnn.mechanics.materials import table
 from physgnn.mechanics.materials.table import MAX_CONSTANTS, Material, law_index
 
-ELEMENTS = tuple(Element)
-DEFAULT_ELEMENT = Element.TET4
+ELEMENTS = ("tet4", "tet4-averaged")
+DEFAULT_ELEMENT = "tet4"
 NO_PRESSURE = np.empty(0)
 
 

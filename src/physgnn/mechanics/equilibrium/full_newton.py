@@ -32,7 +32,7 @@ class Newton:
 
     def __init__(self, body: Body, *, tolerance_mm: float = 1e-9) -> None:
         self._body, self._elements = body, body.elements
-        self._hold(np.empty(0, dtype=np.int64))
+        self._held: IntArray | None = None
         self._tolerance_mm = tolerance_mm
         self.factorisations = 0
 
@@ -59,12 +59,13 @@ class Newton:
         Raises
         ------
         InputError
-            If the load does not fit the mesh.
+            If the load does not fit the mesh, or fixed points and prescribed
+            displacements together leave a part of the body free to move.
         """
         if isinstance(load, LoadCase):
             load = LoadPath(load.nodes, load.forces, np.ones(1))
         loading = Loading(self._body.mesh, load, self._body.fixed)
-        if not np.array_equal(loading.held, self._held):
+        if self._held is None or not np.array_equal(loading.held, self._held):
             self._hold(loading.held)
         u = np.array(start, dtype=np.float64)
         loading.place(u, load_factor)
@@ -96,9 +97,9 @@ class Newton:
 
     def _hold(self, held: IntArray) -> None:
         """Leave points out of the unknowns, beside the fixed ones."""
-        self._held = held
-        self._pattern = self._body.pattern_holding(np.union1d(self._body.fixed, held))
+        self._pattern = self._body.pattern_under(held)
         self._linear = make_linear_solver(self._pattern)
+        self._held = held
 
     def _step(self, u: FloatArray, load: FloatArray) -> FloatArray | None:
         """Return Newton's step; None if a cell is inverted or K(u) is singular."""

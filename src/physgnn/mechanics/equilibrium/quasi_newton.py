@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from physgnn.arrays import FloatArray
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import Pattern, assemble_tangent
 from physgnn.mechanics.elements.tet4 import Elements, internal_force
 from physgnn.mechanics.equilibrium.solution import Status
@@ -46,8 +47,12 @@ class QuasiNewton:
 
     Parameters
     ----------
-    elements, pattern, solver
-        The discretised body and its linear solver.
+    body : Body
+        What is loaded.
+    pattern : Pattern
+        Of the tangent over the points that are free under the load.
+    solver : LinearSolver
+        Solves with tangents of that pattern.
     loading : Loading
         The loads.
     tolerance_mm : float
@@ -59,7 +64,7 @@ class QuasiNewton:
         one too.
     """
 
-    elements: Elements
+    body: Body
     pattern: Pattern
     solver: LinearSolver
     loading: Loading
@@ -69,6 +74,11 @@ class QuasiNewton:
     counts: dict[str, int] = field(
         default_factory=lambda: {"factorisations": 0, "back_solves": 0, "residuals": 0}
     )
+
+    @property
+    def elements(self) -> Elements:
+        """The body's elements."""
+        return self.body.elements
 
     def __post_init__(self) -> None:
         self._pairs: list[tuple[FloatArray, FloatArray]] = []

@@ -79,7 +79,7 @@ class Solver:
 
     def __init__(self, body: Body, *, options: SolverOptions = DEFAULT_OPTIONS) -> None:
         self._body, self._options = body, options
-        self._unknowns = self._find_unknowns(np.empty(0, dtype=np.int64))
+        self._unknowns: _Unknowns | None = None
 
     def solve(self, path: LoadPath) -> Solution:
         """Find equilibrium at every level of a path.
@@ -92,30 +92,27 @@ class Solver:
         Raises
         ------
         InputError
-            If a loaded node is missing from the mesh or fixed.
+            If a loaded node is missing from the mesh or fixed, or fixed points and
+            prescribed displacements together leave a part of the body free to move.
         """
         loading = Loading(self._body.mesh, path, self._body.fixed)
         return _follow(self._iteration(loading), path, self._options.min_step)
 
     def _iteration(self, loading: Loading) -> QuasiNewton:
-        if not np.array_equal(self._unknowns.held, loading.held):
-            self._unknowns = self._find_unknowns(loading.held)
+        unknowns = self._unknowns
+        if unknowns is None or not np.array_equal(unknowns.held, loading.held):
+            unknowns = self._unknowns = self._find_unknowns(loading.held)
         return QuasiNewton(
-            self._body.elements,
-            self._unknowns.pattern,
-            self._unknowns.linear,
+            self._body,
+            unknowns.pattern,
+            unknowns.linear,
             loading,
             self._options.tolerance_mm,
             self._options.max_iterations,
         )
 
     def _find_unknowns(self, held: IntArray) -> _Unknowns:
-        body = self._body
-        pattern = (
-            body.pattern_holding(np.union1d(body.fixed, held))
-            if len(held)
-            else body.pattern
-        )
+        pattern = self._body.pattern_under(held)
         linear = make_linear_solver(
             pattern, precision="single", threads=self._options.threads
         )
@@ -183,7 +180,7 @@ def solve(
     fixed : str or integer array
         Name of a point set, or point indices.
     element : str
-        As in `Body`.
+        The finite element, one of those that `Body` takes.
     options : SolverOptions
 
     Returns

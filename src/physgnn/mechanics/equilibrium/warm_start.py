@@ -168,7 +168,7 @@ class WarmStartSolver:
     def _iteration(self, case: LoadCase, tolerance_mm: float) -> QuasiNewton:
         path = LoadPath(case.nodes, case.forces, np.ones(1))
         return QuasiNewton(
-            self._body.elements,
+            self._body,
             self._pattern,
             self._linear,
             Loading(self._body.mesh, path, self._body.fixed),

@@ -27,6 +27,7 @@ _ANALYSE, _FACTORISE, _SOLVE, _RELEASE = 11, 22, 33, -1
 _POSITIVE_DEFINITE, _INDEFINITE = 2, -2
 _NOT_POSITIVE = -4
 _FACTORISATION, _CLASSIC, _TWO_LEVEL = 23, 0, 1  # index in iparm, and its values
+_KILOBYTES = [15, 16]  # index in iparm: permanent memory of both phases
 FACTOR_FILE = "handle.pds"  # as pardiso_handle_store names it
 _CBWR_AUTO, _CBWR_STRICT = 2, 0x10000  # mkl_types.h: conditional reproducibility
 
@@ -41,13 +42,21 @@ class LinearSolver(Protocol):
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
 
 
+class DirectSolver(LinearSolver, Protocol):
+    """A linear solver that knows what its factor weighs."""
+
+    @property
+    def n_bytes(self) -> int:
+        """What the factor takes in memory."""
+
+
 def make_linear_solver(
     pattern: Pattern,
     *,
     precision: FactorPrecision = "double",
     threads: int = 1,
     storable: bool = False,
-) -> LinearSolver:
+) -> DirectSolver:
     """Return the fastest solver this machine has.
 
     Parameters
@@ -75,7 +84,7 @@ def factorized(
     *,
     precision: FactorPrecision = "double",
     threads: int = 1,
-) -> LinearSolver | None:
+) -> DirectSolver | None:
     """Return a solver that holds the factor of K(u), u (n_points, 3) in mm.
 
     None if a cell is inverted or K(u) is not positive definite.
@@ -151,6 +160,11 @@ class PardisoSolver:
         x = np.zeros_like(b)
         self._call(_SOLVE, b, x, b.size // self._n)
         return x.astype(np.float64)
+
+    @property
+    def n_bytes(self) -> int:
+        """Memory of analysis and factor (iparm 16 and 17 count it in KB)."""
+        return 1024 * int(self._iparm[_KILOBYTES].sum())
 
     def store(self, folder: Path) -> None:
         """Write a storable factor into a folder, as ``FACTOR_FILE``.
@@ -264,3 +278,8 @@ class SuperLUSolver:
     def solve(self, right: FloatArray) -> FloatArray:
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
         return np.ascontiguousarray(self._factor.solve(np.asarray(right).T).T)
+
+    @property
+    def n_bytes(self) -> int:
+        """Memory of the factors' values and row numbers."""
+        return 0 if self._factor is None else 12 * int(self._factor.nnz)

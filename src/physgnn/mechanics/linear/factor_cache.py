@@ -14,6 +14,9 @@ from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+import numpy as np
+import scipy.sparse as sp
+
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.elements.tangent import Pattern
 from physgnn.mechanics.linear.direct_solver import (
@@ -25,6 +28,8 @@ from physgnn.mechanics.linear.direct_solver import (
 FACTORS = ".factors"  # suffix of a folder of factors, beside mesh or store
 MAX_BYTES = 8 * 2**30
 CHECKSUM = "sha256"
+MOST_RESIDUAL = 1e-6  # of the right-hand side; double precision leaves 1e-9 or less
+PART, PART_SECONDS = "part-*", 3600.0  # what a killed process left is removed then
 
 
 def factorize_cached(
@@ -38,7 +43,8 @@ def factorize_cached(
     """Factorise K, or read its factor from a folder where an earlier run left it.
 
     The name of a factor is the digest of the matrix and of the library that made it, so
-    a changed mesh, material or support never meets an old factor.
+    a changed mesh, material or support never meets an old factor. What is read must be
+    as it was written, and solve a system of the matrix; otherwise it is made again.
 
     Parameters
     ----------
@@ -60,7 +66,11 @@ def factorize_cached(
     if not (isinstance(solver, PardisoSolver) and solver.storable):
         return solver.factorize(data)
     stored = folder / _digest(pattern, data)
-    if _whole(stored) and solver.restore(stored, data):
+    if (
+        _whole(stored)
+        and solver.restore(stored, data)
+        and _solves(solver, pattern, data)
+    ):
         _use(stored)
         return True
     if not solver.factorize(data):
@@ -74,6 +84,9 @@ def factorize_cached(
 def _store(solver: PardisoSolver, stored: Path) -> None:
     folder = stored.parent
     folder.mkdir(parents=True, exist_ok=True)
+    for left in folder.glob(PART):
+        if time.time() - left.stat().st_mtime > PART_SECONDS:
+            shutil.rmtree(left, ignore_errors=True)
     part = Path(tempfile.mkdtemp(prefix="part-", dir=folder))
     try:
         solver.store(part)
@@ -91,6 +104,17 @@ def _whole(stored: Path) -> bool:
         return (stored / CHECKSUM).read_text() == _checksum(stored)
     except OSError:
         return False
+
+
+def _solves(solver: PardisoSolver, pattern: Pattern, data: FloatArray) -> bool:
+    """Whether a factor that was read is this matrix's: its name could be another's."""
+    n = pattern.n_unknowns
+    upper = sp.csr_array((data, pattern.indices, pattern.indptr), shape=(n, n))
+    right = np.random.default_rng(0).standard_normal(n)
+    x = solver.solve(right)
+    product = upper @ x + upper.T @ x - upper.diagonal() * x
+    residual = float(np.linalg.norm(product - right))
+    return residual <= MOST_RESIDUAL * float(np.linalg.norm(right))
 
 
 def _checksum(stored: Path) -> str:

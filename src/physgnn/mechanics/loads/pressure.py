@@ -70,6 +70,11 @@ def faces_within(mesh: TetMesh, points: str | IntArray) -> NDArray[np.int32]:
     points : str or integer array
         Name of a point set, or point indices.
 
+    Returns
+    -------
+    (n_faces, 3) array of int32
+        Point indices, counter-clockwise seen from outside.
+
     Raises
     ------
     InputError

@@ -88,7 +88,7 @@ def _ogden(c: FloatArray, m: FloatArray, bulk: BulkModulus) -> Material:
 
 
 FAMILIES: Mapping[str, LawFamily] = {
-    NeoHookean.law: LawFamily(_neo_hookean, lambda _: 1),
-    MooneyRivlin.law: LawFamily(_mooney_rivlin, lambda _: 2),
-    Ogden.law: LawFamily(_ogden, lambda n: n, has_exponents=True, most_terms=2),
+    "neo-hookean": LawFamily(_neo_hookean, lambda _: 1),
+    "mooney-rivlin": LawFamily(_mooney_rivlin, lambda _: 2),
+    "ogden": LawFamily(_ogden, lambda n: n, has_exponents=True, most_terms=2),
 }

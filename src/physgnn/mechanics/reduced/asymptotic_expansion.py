@@ -11,6 +11,7 @@ and its first correction. Loads of one kind lie much nearer to one another than 
 rest, so a few equilibria under their mean load, the anchors, serve all of them.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,6 +24,7 @@ from physgnn.mechanics.elements.second_variation import SecondVariation
 from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.linear.direct_solver import factorized
 from physgnn.mechanics.reduced.point_responses import PointResponses
+from physgnn.mechanics.reduced.recently_used import RecentlyUsed
 
 ROUNDING = 1e-3  # of the largest nodal force of an anchor: less is on no loaded point
 
@@ -54,8 +56,9 @@ class AsymptoticExpansion:
 
     An anchor needs no load of its own: it is in equilibrium with whatever its internal
     force is. Each is factorised when first used, and cached with its factor (single
-    precision, ~80 MB for 9000 points) and its responses to loads on the points where
-    the anchors' own loads act.
+    precision, ~100 MB for 10,000 points) and its responses to loads on the points where
+    the anchors' own loads act; of more than ``PHYSGNN_CACHE_GB`` holds, those used most
+    recently.
 
     Parameters
     ----------
@@ -73,8 +76,12 @@ class AsymptoticExpansion:
         self._loads = np.stack([_internal(body, u) for u in states])
         free = body.pattern.free
         nodes = free[_loaded(self._loads[:, free])]
+        self._responses: RecentlyUsed[ExpansionPoint, PointResponses] = RecentlyUsed(
+            lambda about: _responses(body, about.u, nodes, threads),
+            lambda responses: responses.n_bytes,
+        )
         self._about = [
-            ExpansionPoint(body, u, load, nodes, threads=threads)
+            ExpansionPoint(body, u, load, nodes, self._responses)
             for u, load in zip(states, self._loads, strict=True)
         ]
         self._linear = np.stack([self._about[0].solve(load) for load in self._loads])
@@ -119,11 +126,10 @@ class ExpansionPoint:
         u: FloatArray,
         load: FloatArray,
         nodes: IntArray,
-        *,
-        threads: int,
+        responses: Callable[["ExpansionPoint"], PointResponses],
     ) -> None:
         self.u = u
-        self._body, self._nodes, self._threads = body, nodes, threads
+        self._body, self._make_responses = body, responses
         self._load = np.zeros_like(load)
         self._load[nodes] = load[nodes]
         self._elsewhere = load - self._load  # rounding, if the anchors' loads are alike
@@ -140,16 +146,9 @@ class ExpansionPoint:
         """Return K⁻¹ f."""
         return self._responses.solve(force)
 
-    @cached_property
+    @property
     def _responses(self) -> PointResponses:
-        body, threads = self._body, self._threads
-        solver = factorized(body, self.u, precision="single", threads=threads)
-        if solver is None:
-            raise InputError(
-                "the body has no stable equilibrium to expand about: fix at least "
-                "three points that are not in line, or train again"
-            )
-        return PointResponses(solver, body.pattern, self._nodes)
+        return self._make_responses(self)
 
     @cached_property
     def _offset(self) -> FloatArray:
@@ -159,6 +158,18 @@ class ExpansionPoint:
     def curvature(self) -> SecondVariation:
         """How the internal force curves about it."""
         return SecondVariation(self._body.elements, self.u)
+
+
+def _responses(
+    body: Body, u: FloatArray, nodes: IntArray, threads: int
+) -> PointResponses:
+    solver = factorized(body, u, precision="single", threads=threads)
+    if solver is None:
+        raise InputError(
+            "the body has no stable equilibrium to expand about: fix at least "
+            "three points that are not in line, or train again"
+        )
+    return PointResponses(solver, body.pattern, nodes)
 
 
 def _internal(body: Body, u: FloatArray) -> FloatArray:

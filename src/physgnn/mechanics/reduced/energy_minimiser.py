@@ -6,6 +6,7 @@ energy to infinity: what is found is a stable equilibrium with every det F > 0.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +16,7 @@ from physgnn.arrays import FloatArray
 
 MAX_STEPS = 40
 MAX_HALVINGS = 30
+LEAST_SHIFT, MAX_SHIFTS = 1e-3, 24  # of `SmallBody.stable`, and four times as much each
 ENOUGH = 1e-4  # of the decrease in energy that the slope promises (Armijo's rule)
 ROUNDING = 1e-12  # of the energy, must not turn down small steps
 TOLERANCE_MM = 1e-4
@@ -51,6 +53,15 @@ def dense_solve(stiffness: FloatArray, force: FloatArray) -> FloatArray | None:
     return solution
 
 
+class Descent(StrEnum):
+    """How a descent ended."""
+
+    CONVERGED = "the last step was shorter than the tolerance"
+    NO_DECREASE = "no step lowered the energy"
+    SINGULAR = "the stiffness is singular, and stays so when it is shifted"
+    STEPS_SPENT = "the steps were spent"
+
+
 @dataclass(frozen=True, eq=False)
 class Minimum:
     """Where the descent ended.
@@ -58,16 +69,21 @@ class Minimum:
     Attributes
     ----------
     x : (n,) array
-        The unknowns.
-    converged : bool
-        Whether the last step was shorter than `TOLERANCE_MM`.
+        The unknowns, mm; finite however the descent ended.
+    ended : Descent
+        Why it went no further.
     steps : int
         Newton steps taken.
     """
 
     x: FloatArray
-    converged: bool
+    ended: Descent
     steps: int
+
+    @property
+    def converged(self) -> bool:
+        """Whether the last step was shorter than `TOLERANCE_MM`."""
+        return self.ended == Descent.CONVERGED
 
 
 def minimise(
@@ -88,8 +104,11 @@ def minimise(
     for steps in range(1, MAX_STEPS + 1):
         residual = load - body.force(x)
         step = _downwards(body, x, residual, solve)
+        if step is None:
+            return Minimum(x, Descent.SINGULAR, steps)
         if np.abs(step).max() < TOLERANCE_MM and np.isfinite(body.energy(x + step)):
-            return Minimum(x + step, True, steps)  # its gain in energy is rounding
+            # its gain in energy is rounding
+            return Minimum(x + step, Descent.CONVERGED, steps)
         scale, slope = 1.0, float(step @ residual)
         for _ in range(MAX_HALVINGS):
             moved = x + scale * step
@@ -98,16 +117,23 @@ def minimise(
                 break
             scale /= 2
         else:
-            return Minimum(x, False, steps)
+            return Minimum(x, Descent.NO_DECREASE, steps)
         x, energy = moved, lower
-    return Minimum(x, False, MAX_STEPS)
+    return Minimum(x, Descent.STEPS_SPENT, MAX_STEPS)
 
 
 def _downwards(
     body: SmallBody, x: FloatArray, residual: FloatArray, solve: Solve
-) -> FloatArray:
-    """Return Newton's step, or where K is indefinite one that leads down too."""
+) -> FloatArray | None:
+    """Return Newton's step, or where K is indefinite one that leads down too.
+
+    K is then shifted by more and more of the stable stiffness. None if even the
+    largest shift leaves it singular, as where the body is not held.
+    """
     K, weight = body.stiffness(x), 0.0
-    while (step := solve(K + weight * body.stable, residual)) is None:
-        weight = max(4 * weight, 1e-3)
-    return step
+    for _ in range(MAX_SHIFTS):
+        step = solve(K + weight * body.stable, residual)
+        if step is not None and np.isfinite(step).all():
+            return step
+        weight = max(4 * weight, LEAST_SHIFT)
+    return None

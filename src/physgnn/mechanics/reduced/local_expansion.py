@@ -109,6 +109,11 @@ class LocalExpansion:
         x = self._state + self._let_go + pull @ self._columns
         return LocalSolution(self._pattern.on_points(x), found.converged, found.steps)
 
+    @property
+    def n_bytes(self) -> int:
+        """Memory of the columns and of the patch's stiffnesses."""
+        return self._columns.nbytes + 2 * self._patch.stable.nbytes
+
 
 def _columns(
     linear: LinearSolver, dofs: IntArray, n_unknowns: int

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.elements.tangent import Pattern
-from physgnn.mechanics.linear.direct_solver import LinearSolver
+from physgnn.mechanics.linear.direct_solver import DirectSolver
 
 MAX_BYTES = 96 * 2**20  # of columns; about what the factor takes for 9000 points
 AT_ONCE = 48  # right-hand sides of a back-solve
@@ -21,16 +21,16 @@ class PointResponses:
 
     Parameters
     ----------
-    solver : LinearSolver
+    solver : DirectSolver
         Holds the factor of K.
     pattern : Pattern
-        Of K.
+        The pattern of K, over the free points.
     nodes : (n_nodes,) integer array
         Points that loads act on, as a rule. If their columns, cached in single
         precision, would take too much memory, every response is a back-solve.
     """
 
-    def __init__(self, solver: LinearSolver, pattern: Pattern, nodes: IntArray) -> None:
+    def __init__(self, solver: DirectSolver, pattern: Pattern, nodes: IntArray) -> None:
         self._solver, self._pattern = solver, pattern
         nodes = np.intersect1d(nodes, pattern.free)
         n_bytes = 4 * 3 * len(nodes) * 3 * len(pattern.row)
@@ -53,6 +53,11 @@ class PointResponses:
         """Return K⁻¹ f by a back-solve, for a load anywhere."""
         right = self._pattern.unknowns(force)
         return self._pattern.on_points(self._solver.solve(right))
+
+    @property
+    def n_bytes(self) -> int:
+        """Memory of the factor and the columns."""
+        return self._solver.n_bytes + self._columns.nbytes
 
     def _cached(self, unknowns: NDArray[np.int32]) -> NDArray[np.float32]:
         """Return the columns of K⁻¹ of points' three unknowns, as rows."""

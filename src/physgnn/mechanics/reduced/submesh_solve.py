@@ -71,9 +71,9 @@ class _Clamped:
     elements : Elements
         The cells.
     pattern : Pattern
-        Of the points that move; stiffnesses are its values.
+        The tangent's pattern over the points that move; a stiffness is its values.
     linear : LinearSolver
-        For it.
+        For stiffnesses of that pattern.
     held : (n_points, 3) array
         Displacement of the points that don't move, mm.
     """

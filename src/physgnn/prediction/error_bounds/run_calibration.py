@@ -13,7 +13,7 @@ import numpy as np
 from physgnn.arrays import FloatArray
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
-from physgnn.dataset.training_loads import sample_forces
+from physgnn.dataset.training_loads import strongest_forces
 from physgnn.learning.runs.adaptation import adapt
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.folder import RunFolder
@@ -182,7 +182,7 @@ def calibrate_family(
 
 def _adapted(trained: Checkpoint, store: Store, split: Split) -> Predictor:
     """Return the predictor for a held-out patient, who gives loads and no solutions."""
-    forces = sample_forces(store, split.validation)
+    forces = strongest_forces(store, split.validation)
     return Predictor(adapt(trained, store.body, forces).model)
 
 

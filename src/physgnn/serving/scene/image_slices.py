@@ -57,8 +57,15 @@ class GreyVolume:
         return grey
 
 
-def read_image(path: str | Path, *, log: Log = no_log) -> GreyVolume:
+def read_grey(
+    path: str | Path, *, affine: str | None = None, log: Log = no_log
+) -> GreyVolume:
     """Read an image of any format, or the bundled template for the name "mni152".
+
+    Parameters
+    ----------
+    path, affine, log
+        As of `physgnn.io.medical.images.formats.read_image`.
 
     Raises
     ------
@@ -69,15 +76,15 @@ def read_image(path: str | Path, *, log: Log = no_log) -> GreyVolume:
         from nilearn.datasets import load_mni152_template  # takes seconds to import
 
         bundled = load_mni152_template(resolution=1)
-        values, affine = np.asarray(bundled.dataobj), bundled.affine
+        values, place = np.asarray(bundled.dataobj), bundled.affine
     else:
-        voxels = read_voxels(Path(path), ReadOptions(log=log))
+        voxels = read_voxels(Path(path), ReadOptions(affine=affine, log=log))
         if voxels.data.ndim != 3:
             raise InputError(
                 f"{path}: this is a segmentation in layers: give the image"
             )
-        values, affine = voxels.data, voxels.affine
-    return GreyVolume(_windowed(values.astype(np.float32)), np.linalg.inv(affine))
+        values, place = voxels.data, voxels.affine
+    return GreyVolume(_windowed(values.astype(np.float32)), np.linalg.inv(place))
 
 
 def _windowed(values: NDArray[np.float32]) -> Bytes:

@@ -13,7 +13,6 @@ from physgnn.errors import InputError
 from physgnn.serving.patient.desk import Desk, Opening, RegisteredShift
 from physgnn.serving.patient.uploads import ReceivedFile, Uploads, states_of
 from physgnn.serving.protocol.patient_messages import (
-    TriedCraniotomy,
     Forget,
     MeasuredFile,
     OpenSkull,
@@ -21,6 +20,7 @@ from physgnn.serving.protocol.patient_messages import (
     Register,
     Save,
     ShowState,
+    TriedCraniotomy,
 )
 from physgnn.serving.scene.section import Section
 from physgnn.serving.sessions.engine import Engine

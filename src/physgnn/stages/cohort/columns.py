@@ -15,6 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from physgnn import stages
 from physgnn.errors import InputError
 from physgnn.stages.cohort.step_table import Step
+from physgnn.stages.naming import CALLBACKS
 
 NAME = "name"
 CASE = "case"
@@ -101,7 +102,7 @@ def columns_of(steps: Sequence[Step]) -> Mapping[str, OptionColumn]:
 
 def _of_step(step: Step) -> list[OptionColumn]:
     arguments = inspect.signature(getattr(stages, step.command)).parameters
-    own = {"out", *stages.CALLBACKS, *step.writes}
+    own = {"out", *CALLBACKS, *step.writes}
     return [
         OptionColumn(step.command, name, parameter.annotation)
         for name, parameter in arguments.items()

@@ -142,5 +142,5 @@ ROWS = (
 
 def steps() -> tuple[Step, ...]:
     """Return the steps whose stage there is."""
-    there = set(stages.COMMANDS.values())
+    there = set(stages.__all__)
     return tuple(row for row in ROWS if row.command in there)

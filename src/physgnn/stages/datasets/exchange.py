@@ -100,6 +100,11 @@ def import_results(
     progress : callable, optional
         Called with the load paths done, in all, and where the last came from.
 
+    Returns
+    -------
+    Store
+        The new dataset.
+
     Raises
     ------
     InputError

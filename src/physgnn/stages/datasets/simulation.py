@@ -2,11 +2,9 @@
 
 import os
 from collections.abc import Mapping
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from physgnn import choices
 from physgnn.dataset import SOLVERS, Generation, Preset, Store, generate, verify
 from physgnn.dataset.generation.pending_paths import DEFAULT_SOLVER, check_febio
 from physgnn.dataset.presets import find_preset
@@ -14,9 +12,11 @@ from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
 from physgnn.io import read_mesh
 from physgnn.io.febio.run import find_febio
+from physgnn.mechanics.body import Body
 from physgnn.progress import Progress
 from physgnn.stages.datasets.chosen_loads import chosen_preset
 from physgnn.stages.datasets.provenance import command_line
+from physgnn.versions import release
 
 
 def simulate(
@@ -118,25 +118,22 @@ def simulate_mesh(
     """
     if solver not in SOLVERS:
         raise InputError(f"no solver '{solver}' (there are: {', '.join(SOLVERS)})")
-    if solver == choices.SolverName.FEBIO and scheduler is None:
+    if solver == "febio" and scheduler is None:
         find_febio()
     name = preset if isinstance(preset, str) else "custom"
     if isinstance(preset, str):
         preset = find_preset(preset)
     mesh, paths = preset.on(mesh)
-    if solver == choices.SolverName.FEBIO:
+    if solver == "febio":
         check_febio(preset.element, paths)
     opened = Store.resume(
         store,
-        mesh,
+        Body(mesh, preset.materials, mesh.point_set("fixed"), element=preset.element),
         paths,
-        materials=preset.materials,
-        fixed=mesh.point_set("fixed"),
-        element=preset.element,
         provenance={
             "preset": name,
             "solver": solver,
-            "physgnn": version("physgnn"),
+            "physgnn": release("physgnn"),
             **(source or {}),
         },
     )

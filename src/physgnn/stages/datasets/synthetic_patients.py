@@ -29,7 +29,8 @@ def anatomies(
     count : int
         How many.
     seed : int
-        Of the first patient; the others have the next ones.
+        The seed of the first patient; the others have the seeds that follow. One
+        that cannot be meshed is passed over.
     progress : callable, optional
         Called with (done, total, text) after every mesh.
 

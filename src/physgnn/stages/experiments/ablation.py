@@ -46,7 +46,7 @@ class Ablation:
     split : str
         A row of ``SPLITS``.
     width : int
-        Of the networks.
+        Channels of the networks' hidden layers.
     precision : str
         Of training, a row of ``PRECISIONS``.
     """

@@ -42,6 +42,11 @@ def bundle(
     show, log : callables
         See `physgnn.stages.experiments.pipeline.Pipeline`.
 
+    Returns
+    -------
+    Path
+        The folder of the bundled model.
+
     Raises
     ------
     InputError

@@ -19,7 +19,7 @@ from physgnn.learning.runs.folder import RunFolder
 from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.datasets.simulation import processes, simulate_mesh
 from physgnn.stages.networks.training import train_run
-from physgnn.stages.patient.meshing import mesh_surfaces
+from physgnn.stages.patient.surface_meshing import mesh_surfaces
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.measure.result import Report
@@ -36,7 +36,7 @@ class Pipeline:
     folder : Path
         Gets case.vtu, loads.zarr and a run folder for each network.
     command : str
-        For the record.
+        The command that made it, as the record names it.
     show : callable
         From a title to a context that yields a progress callback.
     log : callable

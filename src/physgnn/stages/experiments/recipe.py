@@ -26,7 +26,7 @@ class Recipe:
     Attributes
     ----------
     command : str
-        For the record.
+        The command that made it, as the record names it.
     surface_points, target_points : int
         About how many points the brain's surface has, and the mesh.
     preset : str or Preset

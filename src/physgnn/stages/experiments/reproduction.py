@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from physgnn.choices import Clock
 from physgnn.errors import InputError
 from physgnn.io.integrity.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
@@ -58,7 +57,7 @@ class Reproduction:
     brain: str | Path | None = None
     tumour: Sequence[str | Path] = ()
     preset: str | None = None
-    clock: str = Clock.WALL
+    clock: str = "wall"
 
     def __post_init__(self) -> None:
         if self.dataset not in BEST:
@@ -104,7 +103,7 @@ def reproduce(
     budget_hours: float = 2.5,
     brain: str | Path | None = None,
     tumour: Sequence[str | Path] = (),
-    clock: str = Clock.WALL,
+    clock: str = "wall",
     show: Show = no_show,
     log: Log = no_log,
 ) -> str:

@@ -62,7 +62,7 @@ def fit_material(
     law : str
         ``"neo-hookean"``, ``"mooney-rivlin"`` or ``"ogden"``.
     terms : int
-        Of Ogden's law, 1 or 2.
+        How many terms Ogden's law has, 1 or 2.
     unit : str
         Of stresses whose column does not tell: ``"kpa"`` or ``"pa"``.
     poissons_ratio : float, optional
@@ -75,6 +75,11 @@ def fit_material(
         File to write the table to, .toml.
     chart : path, optional
         Picture of stress over stretch with the fitted curves, .png.
+
+    Returns
+    -------
+    FittedMaterial
+        The material, and how well it follows each curve.
 
     Raises
     ------

@@ -47,6 +47,11 @@ def evaluate(
     progress : callable, optional
         Called with (done, total, text) after every sample.
 
+    Returns
+    -------
+    Report
+        The errors of every row of the table, as in ``metrics.json``; mm.
+
     Raises
     ------
     InputError

@@ -21,9 +21,9 @@ class Adapted:
     Attributes
     ----------
     n_points : int
-        Of the new mesh.
+        Points of the new mesh.
     seconds : float
-        To find the equilibria to expand about and write the run.
+        Time that finding the equilibria to expand about and writing the run took, s.
     coverage : float or None
         What the error bounds promise; None if the run has none for new patients.
     """
@@ -57,6 +57,11 @@ def adapt(
         A row of ``PRESETS``; or else `loads`. Its load paths say what loads to expect.
     loads : path, optional
         TOML with point sets, materials and loads: see `physgnn.config.simulation`.
+
+    Returns
+    -------
+    Adapted
+        The size of the mesh, the seconds it took, and what the bounds promise.
 
     Raises
     ------

@@ -1,19 +1,13 @@
 """From surfaces, or a label map, to a mesh with its point sets."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from physgnn.errors import InputError
 from physgnn.geometry import (
-    Rule,
     Surface,
     TetMesh,
-    check_nested,
-    check_quality,
-    check_surface,
-    select,
-    tetrahedralize,
 )
 from physgnn.geometry.plausibility import check_millimetres, check_volume_ml
 from physgnn.geometry.surface import volume
@@ -83,6 +77,11 @@ def mesh(
     log : callable
         Called with what was repaired, and the mesh's size and quality.
 
+    Returns
+    -------
+    TetMesh
+        The mesh that was written; mm.
+
     Raises
     ------
     InputError
@@ -93,6 +92,7 @@ def mesh(
     from physgnn.io.integrity.atomic import check_folder
     from physgnn.stages.patient.mesh_files import is_mesh_file, mesh_of_file
     from physgnn.stages.patient.segmentation import mesh_segmentation
+    from physgnn.stages.patient.surface_meshing import mesh_surfaces
 
     check_folder(Path(out))
     if [mni152, brain is not None, segmentation is not None].count(True) != 1:
@@ -158,53 +158,3 @@ def named_surfaces(
         return [read_surface(path) for path in (brain, *tumours)]
     phantom = mni152_phantom()
     return [phantom.brain, *phantom.tumours]
-
-
-def mesh_surfaces(
-    brain: Surface,
-    tumours: Sequence[Surface] = (),
-    *,
-    rules: Mapping[str, Rule] | None = None,
-    quality_floor: float | None = None,
-    names: Sequence[str] = (),
-    log: Log = no_log,
-    **size: Any,
-) -> TetMesh:
-    """Check surfaces, fill them with tetrahedra, and name the point sets.
-
-    Parameters
-    ----------
-    brain, tumours : Surface
-        In mm; small faults are repaired, and logged.
-    rules : mapping of str to rule
-        Point sets by name.
-    quality_floor : float, optional
-        See `physgnn.geometry.check_quality`.
-    names : sequence of str
-        What messages call the surfaces inside the brain; by default tumours.
-    log : callable
-        Called with what was repaired, and the mesh's size and quality.
-    **size
-        ``max_volume_mm3`` or ``target_points``; by default the published rule.
-
-    Raises
-    ------
-    InputError
-        If a surface cannot be meshed, a rule selects nothing, or a cell is too flat.
-    """
-    checked = []
-    default = [f"tumour {i + 1}" for i in range(len(tumours))]
-    for i, surface in enumerate([brain, *tumours]):
-        name = ["brain", *(names or default)][i]
-        surface, repaired = check_surface(surface, name)
-        checked.append(surface)
-        for line in repaired:
-            log(line)
-    check_nested(checked[0], checked[1:])
-    mesh = tetrahedralize(checked[0], checked[1:], log=log, **size)
-    floor = {} if quality_floor is None else {"floor": quality_floor}
-    log(str(check_quality(mesh, **floor)))
-    sets = {name: select(mesh, rule) for name, rule in (rules or {}).items()}
-    for name, ids in sets.items():
-        log(f"point set '{name}': {len(ids)} points")
-    return mesh.with_point_sets(**sets)

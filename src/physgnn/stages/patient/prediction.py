@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from physgnn.bundled import BUNDLED_RUN
+from physgnn.progress import Log, no_log
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.prediction.prediction import Prediction
@@ -20,6 +21,8 @@ def predict(
     linear: bool = False,
     precision: str = "float32",
     estimate: str = "physical",
+    affine: str | None = None,
+    log: Log = no_log,
 ) -> "Prediction":
     """Predict the displacement under a load case from a JSON file and write it.
 
@@ -46,6 +49,15 @@ def predict(
         See `physgnn.prediction.Predictor`.
     estimate : {"physical", "quick"}
         How the error is estimated; see `physgnn.prediction.Predictor`.
+    affine : {"sform", "qform"}, optional
+        Which of two places in the image's header is meant, where they disagree.
+    log : callable
+        Called with what the image's header leaves open.
+
+    Returns
+    -------
+    Prediction
+        The displacement that was written, mm, with its status and error bound.
 
     Raises
     ------
@@ -59,7 +71,7 @@ def predict(
     from physgnn.prediction.predictor import Predictor
 
     write = form_of(out, form).write
-    grid = None if image is None else read_image(image).grid
+    grid = None if image is None else read_image(image, affine=affine, log=log).grid
     predictor = Predictor.load(run or BUNDLED_RUN, precision=precision, warm=False)
     body = predictor.body
     case = read_load_case(load, body.mesh)

@@ -38,6 +38,7 @@ def register(
     materials: str | Path | None = None,
     form: str | None = None,
     image: str | Path | None = None,
+    affine: str | None = None,
     log: Log = no_log,
 ) -> "Registration":
     """Find the displacement of a whole brain from what was measured of its surface.
@@ -62,10 +63,16 @@ def register(
     materials : path, optional
         TOML with ``[materials.<region>]`` tables; by default the tissues of the
         published work. Only ratios of stiffness matter.
-    form, image
+    form, image, affine
         See `physgnn.stages.predict`.
     log : callable
-        Called with which measured points were left out, and why.
+        Called with which measured points were left out, and why, and with what the
+        image's header leaves open.
+
+    Returns
+    -------
+    Registration
+        The displacement that was written, mm, with its deviation, bound and status.
 
     Raises
     ------
@@ -75,7 +82,7 @@ def register(
     from physgnn.registration.registrar import Registrar
 
     write = form_of(out, form).write
-    grid = None if image is None else read_image(image).grid
+    grid = None if image is None else read_image(image, affine=affine, log=log).grid
     if points is not None and surface is None:
         measured: PointPairs | SurfacePoints = read_point_pairs(points, target, log=log)
     elif surface is not None and points is None and target is None:

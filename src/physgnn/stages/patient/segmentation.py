@@ -33,7 +33,7 @@ from physgnn.imaging import deformed_labels
 from physgnn.io.medical.images.formats import read_image, read_segmentation
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log
-from physgnn.stages.patient.meshing import mesh_surfaces
+from physgnn.stages.patient.surface_meshing import mesh_surfaces
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def mesh_segmentation(
         labels that are not named may be left out. ``any_size=True``: the brain may have
         less than 50 or more than 2500 ml. ``smoothing_mm`` and ``closing_mm`` of
         `extract_surfaces`; ``rules`` and ``quality_floor`` of
-        `physgnn.stages.patient.meshing.mesh_surfaces`.
+        `physgnn.stages.patient.surface_meshing.mesh_surfaces`.
 
     Returns
     -------

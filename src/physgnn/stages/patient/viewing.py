@@ -16,6 +16,7 @@ def view(
     *,
     port: int = DEFAULT_PORT,
     image: str | Path | None = None,
+    affine: str | None = None,
     igtl: int | None = None,
     igtl_surfaces: bool = False,
     save: str | Path | None = None,
@@ -32,6 +33,8 @@ def view(
         On 127.0.0.1; 0 takes a free one.
     image : path, optional
         Image for sections, or "mni152".
+    affine : {"sform", "qform"}, optional
+        Which of two places in the image's header is meant, where they disagree.
     igtl : int, optional
         Port to stream the deformation from by OpenIGTLink; 0 takes a free one.
     igtl_surfaces : bool
@@ -50,12 +53,19 @@ def view(
     from physgnn.serving import serve
 
     show = partial(
-        serve, path, port=port, image=image, igtl=igtl, igtl_surfaces=igtl_surfaces
+        serve,
+        path,
+        port=port,
+        image=image,
+        affine=affine,
+        igtl=igtl,
+        igtl_surfaces=igtl_surfaces,
+        log=log,
     )
     if path is None or Path(path).suffix != ".vtu":
         if save is not None:
             raise InputError(f"--save goes with a case, .vtu (got {path or 'none'})")
-        show(log=log)
+        show()
         return
     with closing(CaseDesk(path, save)) as desk:
-        show(desk=desk, log=log)
+        show(desk=desk)

@@ -75,6 +75,11 @@ def warp(
         Gets a line on the round trip's error, on what folds, and on why the
         displacement was not called ok if it was not.
 
+    Returns
+    -------
+    Image
+        The deformed image that was written.
+
     Raises
     ------
     InputError

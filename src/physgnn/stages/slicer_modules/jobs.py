@@ -20,7 +20,8 @@ from physgnn.stages.slicer_modules.parameters import Job
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.prediction.prediction import Prediction
 
-STATUS, REASON = "status", "reason"
+STATUS: str = "status"
+REASON: str = "reason"
 OK = "ok"
 SHIFT = "shift"
 FORMS = {"transform": "transform", "surfaces": "deformed"}

@@ -212,7 +212,7 @@ ROWS = (
                 "Skull",
                 "How the skull holds the brain.",
                 default="fixed",
-                elements=tuple(choices.Skull),
+                elements=choices.names("Skull"),
                 is_advanced=True,
             ),
             REFERENCE,
@@ -333,5 +333,5 @@ ROWS = (
 
 def modules() -> tuple[Module, ...]:
     """Return the modules whose stage there is."""
-    there = set(stages.COMMANDS.values())
+    there = set(stages.__all__)
     return tuple(row for row in ROWS if row.command in there)

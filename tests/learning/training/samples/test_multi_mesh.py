@@ -24,6 +24,7 @@ from physgnn.learning.training.samples.multi_mesh import (
     training_meshes,
 )
 from physgnn.learning.training.training_run import train
+from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Solution
 
 OPTIONS = {"anchors": 2, "k_hops": 2, "width": 8, "layers": 2, "pod_modes": 0}
@@ -55,10 +56,8 @@ def stores(store: Store, tmp_path: Path) -> list[Store]:
         other = TetMesh(mesh.points * stretch, mesh.cells, mesh.region, mesh.point_sets)
         copy = Store.create(
             tmp_path / f"other-{k}.zarr",
-            other,
+            Body(other, store.materials, store.fixed),
             [store.load_path(i) for i in range(store.n_paths)],
-            materials=store.materials,
-            fixed=store.fixed,
             provenance={},
         )
         for i in range(store.n_paths):

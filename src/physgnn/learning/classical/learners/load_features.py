@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.storage.store import Store
-from physgnn.dataset.training_loads import sample_forces
+from physgnn.dataset.training_loads import strongest_forces
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.reduced.pod import leading_modes
 
@@ -36,7 +36,7 @@ class LoadFeatures:
     @classmethod
     def of(cls, store: Store, samples: IntArray) -> "LoadFeatures":
         """Return the features that fit the loads of these (path, level) samples."""
-        forces = sample_forces(store, samples)
+        forces = strongest_forces(store, samples)
         n_components = min(N_COMPONENTS, len(forces))
         return cls(store.mesh.points, leading_modes(forces, n_components))
 

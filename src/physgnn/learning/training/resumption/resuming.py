@@ -18,8 +18,9 @@ from typing import Any
 import torch
 
 from physgnn.errors import InputError
+from physgnn.io.integrity.strays import clear_strays
 from physgnn.learning.runs.folder import RunFolder
-from physgnn.learning.runs.parts import check_part, clear_unfinished, write_parts
+from physgnn.learning.runs.parts import check_part, write_parts
 from physgnn.learning.runs.record import check_same_run, record_text
 from physgnn.learning.training.config import TrainingConfig
 
@@ -38,7 +39,7 @@ def prepare(run: Path, record: Mapping[str, Any]) -> None:
     if files.weights.exists() or files.state.exists():
         raise InputError(f"{run} holds a run already: {HOW}")
     run.mkdir(parents=True, exist_ok=True)
-    clear_unfinished(run)
+    clear_strays(run)
     text = record_text({**record, "manifest": files.manifest.name})
     write_parts(run, {files.record: lambda part: part.write_text(text, "utf-8")})
 
@@ -54,7 +55,7 @@ def find_state(run: Path, record: Mapping[str, Any]) -> Path | None:
     """
     files = RunFolder(run)
     check_same_run(run, record, asdict(TrainingConfig()))
-    clear_unfinished(run)
+    clear_strays(run)
     for part in (files.case, files.weights):
         if part.is_file():
             check_part(part)

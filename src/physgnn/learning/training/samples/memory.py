@@ -69,7 +69,7 @@ def samples_at_once(
     Parameters
     ----------
     model : Network
-        Told whether to spare memory: only if a whole batch wouldn't fit otherwise.
+        Its `spare_memory` is set: only if a whole batch wouldn't fit otherwise.
     forward : callable
         From a number of samples to their loss.
     batch_size : int

@@ -10,8 +10,8 @@ import torch
 from torch import Tensor
 
 from physgnn.learning.cpu.blocks import Block, States
-from physgnn.learning.cpu.data import Array, Given, StepWeights, as_array
 from physgnn.learning.cpu.kernels import Gradients, State, copy_rows, step, step_back
+from physgnn.learning.cpu.lstm_inputs import Array, Given, StepWeights, as_array
 
 
 class Found(NamedTuple):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from torch import Tensor, cat
 from torch.nn.functional import linear, pad
 
-from physgnn.learning.cpu.data import Given, Weights
+from physgnn.learning.cpu.lstm_inputs import Given, Weights
 from physgnn.learning.cpu.lstm_scores import PLAIN, Way, lstm
 
 

@@ -1,4 +1,10 @@
-"""What drives a real browser, where it is installed."""
+"""Where node, playwright-core and Chromium are, for tests that drive a real browser.
+
+Set PHYSGNN_PLAYWRIGHT to the folder of playwright-core (``npm install playwright-core``
+anywhere; the folder is node_modules/playwright-core), PHYSGNN_CHROMIUM if Chromium is
+not on the path. With PHYSGNN_REQUIRE_BROWSER, as in .ci/run, it is an error if they
+are missing.
+"""
 
 import os
 import shutil
@@ -8,7 +14,6 @@ import pytest
 
 
 def browser_tools() -> tuple[str, str, str]:
-    """Return node, playwright-core and Chromium; skip or fail where one is missing."""
     node = shutil.which("node")
     chromium = os.environ.get("PHYSGNN_CHROMIUM") or shutil.which("chromium")
     playwright = os.environ.get("PHYSGNN_PLAYWRIGHT", "")
@@ -18,7 +23,7 @@ def browser_tools() -> tuple[str, str, str]:
         ("playwright-core (set PHYSGNN_PLAYWRIGHT)", Path(playwright, "index.mjs")),
     ):
         if there is None or not Path(there).exists():
-            says = f"no {name} on this machine: test_browser.py says how"
+            says = f"no {name} on this machine: tests/browser.py says how to get it"
             if os.environ.get("PHYSGNN_REQUIRE_BROWSER"):
                 pytest.fail(says)
             pytest.skip(says)
