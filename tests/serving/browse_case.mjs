@@ -111,6 +111,14 @@ saw.loaded = await page.evaluate(() => Object.keys(window.physgnn.predictions));
 await page.click("#show");
 await page.waitForFunction(() => window.physgnn.predictions.registration !== undefined, null, WAIT);
 
+// the package's network, adapted to the case
+await page.click("#adapt");
+await page.waitForFunction(() => /network|cannot|must|does/.test(document.getElementById("opened").textContent)
+  && !/adapting/.test(document.getElementById("opened").textContent)
+  || /adapted/.test(document.getElementById("note").textContent), null, WAIT);
+saw.adapted = { note: await text("note"), opened: await text("opened"),
+  predictors: await page.locator("#predictors span").allInnerTexts() };
+
 // a series
 await drop("state-2.csv", "state-10.csv");
 saw.order = await page.locator("#files .name").allInnerTexts();

@@ -113,6 +113,11 @@ def test_a_load_hides_the_registration_until_it_is_wanted(saw: dict[str, Any]) -
     assert "registration" not in saw["loaded"]
 
 
+def test_the_packages_network_is_adapted_to_the_case(saw: dict[str, Any]) -> None:
+    assert "adapted to this case" in saw["adapted"]["note"]
+    assert saw["adapted"]["predictors"] == ["Network", "Linear"]
+
+
 def test_several_files_are_a_series_in_the_order_of_their_numbers(
     saw: dict[str, Any],
 ) -> None:

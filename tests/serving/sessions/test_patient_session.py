@@ -124,6 +124,17 @@ def test_a_dropped_file_is_registered_as_the_command_does(
     assert header["reasons"] == list(found.prediction.reasons)
 
 
+def test_a_network_is_adapted_and_predicts(socket: ClientConnection) -> None:
+    ask(socket, "adapt")
+    assert frame(socket)[0] == {"kind": "adapting"}
+    header, _ = frame(socket)
+    assert (header["kind"], header["predictors"]) == ("scene", ["network", "linear"])
+    assert "adapted" in header["patient"]["note"]
+    load = patch_load(point=(40.0, 40.0, SIDE_X), force_n=(0.0, 0.0, -0.5))
+    socket.send(load.model_dump_json())
+    assert frame(socket)[0]["predictor"] == "network"
+
+
 def test_a_series_has_a_state_a_file(socket: ClientConnection, engine: Engine) -> None:
     for i in (1, 2):
         pairs = sunk_pairs(engine.viewed.body.mesh, 1.5 * i)

@@ -10,6 +10,8 @@ from physgnn.config import read_preset
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
+from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.prediction.predictor import Predictor
 from physgnn.stages.patient.case_desk import CaseDesk
 from physgnn.stages.patient.case_file import init
 from physgnn.stages.patient.registration import register
@@ -104,6 +106,28 @@ def test_nothing_is_written_without_a_folder(case: Path) -> None:
     with pytest.raises(InputError, match="--save FOLDER"):
         desk.save([])
     assert sorted(case.parent.iterdir()) == there
+    desk.close()
+
+
+def test_the_packages_network_is_adapted_to_the_craniotomy(case: Path) -> None:
+    desk = CaseDesk(case)
+    desk.open(desk.opening(np.array([SIDE, 40.0, 40.0]), 20.0))
+    assert desk.adapts
+    network = Predictor.load(desk.adapt())
+    assert not desk.adapts and "adapted" in desk.note
+    opened = desk.mesh.point_set("loaded")
+    np.testing.assert_array_equal(network.body.fixed, desk.mesh.point_set("fixed"))
+    push = np.tile([-0.5 / len(opened), 0.0, 0.0], (len(opened), 1))
+    assert network(LoadCase(opened, push)).displacement[:, 0].min() < -0.1
+    desk.close()
+
+
+def test_a_network_needs_a_craniotomy_to_be_adapted_to(case: Path) -> None:
+    write_mesh(case, read_mesh(case).with_point_sets(fixed=np.arange(20)))
+    desk = CaseDesk(case)
+    assert not desk.adapts
+    with pytest.raises(InputError, match="click the craniotomy first"):
+        desk.adapt()
     desk.close()
 
 

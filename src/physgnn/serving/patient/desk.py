@@ -97,6 +97,8 @@ class Desk(Protocol):
         What stands in for what the case does not say, for the page.
     saves : bool
         Whether there is a folder to save in.
+    adapts : bool
+        Whether a network can be adapted that is not yet.
     roles : mapping of str to str
         What a measured file may be → its name on the page.
     suffixes : sequence of str
@@ -107,6 +109,8 @@ class Desk(Protocol):
     def note(self) -> str: ...  # noqa: D102
     @property
     def saves(self) -> bool: ...  # noqa: D102
+    @property
+    def adapts(self) -> bool: ...  # noqa: D102
     @property
     def roles(self) -> Mapping[str, str]: ...  # noqa: D102
     @property
@@ -120,6 +124,9 @@ class Desk(Protocol):
 
     def open(self, opening: Opening) -> list[str]:
         """Hold and load the mesh so from now on; return the files that say so."""
+
+    def adapt(self) -> Path:
+        """Return a run folder that predicts on the case, held and loaded as it is."""
 
     def register(
         self, files: Mapping[str, Path], out: Path, noise_mm: float

@@ -38,6 +38,12 @@ class OpenSkull(CheckedMessage):
     type: Literal["open_skull"] = "open_skull"
 
 
+class AdaptNetwork(CheckedMessage):
+    """Make the network that comes with the package ready for the case."""
+
+    type: Literal["adapt"] = "adapt"
+
+
 class MeasuredFile(CheckedMessage):
     """A file that follows in binary messages of any size.
 
@@ -99,5 +105,12 @@ class Save(CheckedMessage):
 
 
 PatientMessage: TypeAlias = (
-    TriedCraniotomy | OpenSkull | MeasuredFile | Forget | Register | ShowState | Save
+    TriedCraniotomy
+    | OpenSkull
+    | AdaptNetwork
+    | MeasuredFile
+    | Forget
+    | Register
+    | ShowState
+    | Save
 )

@@ -10,13 +10,12 @@ from typing import TypeVar
 import torch
 
 from physgnn.choices import Estimate
-from physgnn.geometry import TetMesh
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.prediction import Prediction
 from physgnn.serving.patient.desk import Desk
 from physgnn.serving.scene.image_slices import GreyVolume
 from physgnn.serving.scene.surfaces import Shown
-from physgnn.serving.scene.viewed import Viewed, view_mesh
+from physgnn.serving.scene.viewed import Viewed
 from physgnn.serving.sessions.refinement import Refiner
 
 WARM_UP = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.4, 1.8)  # of the usual force
@@ -82,10 +81,9 @@ class Engine:
         async with self._registering:
             return await asyncio.to_thread(job)
 
-    async def reopen(self, mesh: TetMesh) -> None:
-        """Show the same mesh, held and loaded elsewhere."""
-        title = self.viewed.title
-        self.viewed = await self.work(lambda: view_mesh(mesh, title))
+    async def reopen(self, make: Callable[[], Viewed]) -> None:
+        """Show the same mesh, held and loaded elsewhere or with other predictors."""
+        self.viewed = await self.work(make)
         self._refiner.close()
         self._refiner = Refiner(self.viewed.body)
 

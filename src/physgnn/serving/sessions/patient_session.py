@@ -13,6 +13,7 @@ from physgnn.errors import InputError
 from physgnn.serving.patient.desk import Desk, Opening, RegisteredShift
 from physgnn.serving.patient.uploads import ReceivedFile, Uploads, states_of
 from physgnn.serving.protocol.patient_messages import (
+    AdaptNetwork,
     Forget,
     MeasuredFile,
     OpenSkull,
@@ -23,6 +24,7 @@ from physgnn.serving.protocol.patient_messages import (
     TriedCraniotomy,
 )
 from physgnn.serving.scene.section import Section
+from physgnn.serving.scene.viewed import view_mesh, view_run
 from physgnn.serving.sessions.engine import Engine
 from physgnn.serving.sessions.patient_frames import opening_frame, state_frame
 from physgnn.serving.sessions.predictions import scene_frame
@@ -102,6 +104,8 @@ class PatientSession:
             await self._try(message)
         elif isinstance(message, OpenSkull):
             await self._open()
+        elif isinstance(message, AdaptNetwork):
+            await self._adapt()
         elif isinstance(message, Register):
             await self._register(message)
         elif isinstance(message, ShowState):
@@ -120,10 +124,18 @@ class PatientSession:
         if self._opening is None:
             raise InputError("there is no craniotomy yet: click it on the brain")
         files = await self._engine.register(partial(self._desk.open, self._opening))
-        await self._engine.reopen(self._desk.mesh)
+        mesh, title = self._desk.mesh, self._engine.viewed.title
+        await self._engine.reopen(lambda: view_mesh(mesh, title))
         self._states = []  # they were registered in another skull
         await self._send_bytes(scene_frame(self._engine))
         await self._say("saved", files=files, what="craniotomy")
+
+    async def _adapt(self) -> None:
+        await self._say("adapting")
+        run = await self._engine.register(self._desk.adapt)
+        title = self._engine.viewed.title
+        await self._engine.reopen(lambda: view_run(run, title))
+        await self._send_bytes(scene_frame(self._engine))
 
     async def _register(self, message: Register) -> None:
         measured = states_of(self._uploads.files)

@@ -141,6 +141,7 @@ def _patient(engine: Engine) -> dict[str, Any] | None:
     return {
         "note": desk.note,
         "saves": desk.saves,
+        "adapts": desk.adapts,
         "roles": dict(desk.roles),
         "suffixes": list(desk.suffixes),
         "radius_mm": RADIUS_MM,

@@ -13,6 +13,7 @@ export class Patient {
     Object.assign(this, { link, page, row: null, point: null, files: [], state: null, busy: false });
     $("pick").addEventListener("click", () => this.setPicking(!this.picking));
     $("open").addEventListener("click", () => this.link.send({ type: "open_skull" }));
+    $("adapt").addEventListener("click", () => this.link.send({ type: "adapt" }));
     $("register").addEventListener("click", () => this.register());
     $("keep").addEventListener("click", () => this.link.send({ type: "save" }));
     $("show").addEventListener("click", () => this.askState());
@@ -30,6 +31,7 @@ export class Patient {
   /** What the scene says can be done; null where no case is on show. */
   fit(row) {
     this.row = row;
+    this.adapting = false;
     for (const id of ["patient", "measurement"]) $(id).hidden = row === null;
     if (row === null) return;
     $("note").textContent = row.note;
@@ -48,6 +50,7 @@ export class Patient {
 
   enable() {
     $("open").disabled = this.point === null || this.busy;
+    $("adapt").disabled = this.busy || this.adapting || !this.row?.adapts;
     $("register").disabled = this.files.length === 0 || this.busy;
     $("show").disabled = this.state === null || this.busy;
     $("keep").disabled = this.state === null || this.busy || !this.row?.saves;
@@ -185,11 +188,19 @@ export class Patient {
   onText(message) {
     if (message.kind === "registering") {
       write("registered", message.states > 1 ? `registering ${message.state + 1} of ${message.states}…` : "registering…");
+    } else if (message.kind === "adapting") {
+      this.adapting = true;
+      write("opened", "adapting the network to this case…");
+      this.enable();
     } else if (message.kind === "saved") {
       const text = message.files.length ? `Saved: ${message.files.join(", ")}.` : "Nothing written: no --save FOLDER.";
       write(message.what === "craniotomy" ? "opened" : "registered", text);
     } else {
-      if (message.kind === "error" && this.busy) {
+      if (message.kind === "error" && this.adapting) {
+        this.adapting = false;
+        $("opened").textContent = message.text;
+        this.enable();
+      } else if (message.kind === "error" && this.busy) {
         this.setBusy(false);
         $("registered").textContent = message.text;
       }

@@ -7,8 +7,9 @@ page is what the command line writes.
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
+from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -22,6 +23,7 @@ from physgnn.io import read_mesh, write_mesh
 from physgnn.io.integrity.atomic import whole_file, write_whole
 from physgnn.io.medical.markups import POINT_READERS
 from physgnn.io.surfaces.formats import SURFACE_READERS
+from physgnn.stages.patient.adaptation import adapt
 from physgnn.stages.patient.case_file import case_text, craniotomy_at
 from physgnn.stages.patient.registration import register
 
@@ -34,12 +36,20 @@ ROLES: Mapping[str, tuple[str, str]] = {
     "before": ("points", "points before"),
     "after": ("target", "points after"),
     "surface": ("surface", "exposed surface"),
+    "landmarks": ("landmarks", "pairs inside the brain"),
+    "landmarks before": ("landmarks", "landmarks before"),
+    "landmarks after": ("landmarks_target", "landmarks after"),
+    "whole surface": ("whole_surface", "whole surface"),
 }
-"""What a measured file may be → the argument of `register`, its name on the page."""
+"""What a measured file may be → the argument of `register`, its name on the page.
+
+Offered are those rows whose argument `register` has.
+"""
 
 CASE, MESH = "case.toml", "case.vtu"
 FIRST_RADIUS_MM = 30.0
 METHODS = "Linear elasticity and finite elements; no network was trained on this case."
+ADAPTED = "The network that comes with the package, adapted to this case."
 
 
 class CaseDesk:
@@ -67,11 +77,12 @@ class CaseDesk:
         if self._folder is not None and not self._folder.is_dir():
             raise InputError(f"--save must name a folder that is there (got {folder})")
         self._scratch = tempfile.TemporaryDirectory(prefix="physgnn-case-")
+        self._count = 0  # of runs
         self._mesh = read_mesh(case)
         self._surface = boundary_surface(self._mesh)
         self._cortex = self._surface.points[np.unique(self._surface.faces)]
         self._tree = KDTree(self._cortex)
-        self._note = METHODS
+        self._note, self._text = METHODS, ""
         if "fixed" not in self._mesh.point_sets:
             place, where = self._first_place()
             self._hold(self.opening(place, FIRST_RADIUS_MM))
@@ -90,9 +101,15 @@ class CaseDesk:
         return self._folder is not None
 
     @property
+    def adapts(self) -> bool:
+        """Whether the network of the package can be adapted and is not yet."""
+        return self._text != "" and self._note != ADAPTED
+
+    @property
     def roles(self) -> Mapping[str, str]:
         """What a measured file may be → its name on the page."""
-        return {role: name for role, (_, name) in ROLES.items()}
+        taken = signature(register).parameters
+        return {role: name for role, (key, name) in ROLES.items() if key in taken}
 
     @property
     def suffixes(self) -> Sequence[str]:
@@ -133,6 +150,24 @@ class CaseDesk:
         write_whole(self._folder / CASE, opening.text)
         return [CASE, *self._keep_mesh()]
 
+    def adapt(self) -> Path:
+        """Return a run folder of the package's network, ready for the case.
+
+        Raises
+        ------
+        InputError
+            If no craniotomy was clicked or taken, or the network does not fit the case.
+        """
+        if not self._text:
+            raise InputError("click the craniotomy first: it says what loads to expect")
+        loads = Path(self._scratch.name) / CASE
+        write_whole(loads, self._text)
+        self._count += 1
+        run = Path(self._scratch.name) / f"run-{self._count}"
+        adapt(None, self._mesh_file, run, loads=loads)
+        self._note = ADAPTED
+        return run
+
     def register(
         self, files: Mapping[str, Path], out: Path, noise_mm: float
     ) -> "RegisteredShift":
@@ -145,18 +180,13 @@ class CaseDesk:
         """
         from physgnn.serving.patient.desk import RegisteredShift
 
-        if "pairs" in files and "before" in files:
-            raise InputError("give pairs of points, or points before and after")
-        given = {ROLES[role][0]: path for role, path in files.items()}
+        given: dict[str, Any] = {ROLES[role][0]: path for role, path in files.items()}
+        if len(given) < len(files):
+            roles = ", ".join(self.roles[role] for role in files)
+            raise InputError(f"give pairs, or points before and after (got {roles})")
         notes: list[str] = []
         found = register(
-            self._mesh_file,
-            out,
-            points=given.get("points"),
-            target=given.get("target"),
-            surface=given.get("surface"),
-            noise_mm=noise_mm,
-            log=notes.append,
+            self._mesh_file, out, noise_mm=noise_mm, log=notes.append, **given
         )
         return RegisteredShift(
             prediction=found.prediction,
@@ -196,7 +226,7 @@ class CaseDesk:
         mesh = self._mesh.with_point_sets(fixed=opening.fixed, loaded=opening.loaded)
         file = Path(self._scratch.name) / MESH
         write_mesh(file, mesh)
-        self._mesh, self._mesh_file = mesh, file
+        self._mesh, self._mesh_file, self._text = mesh, file, opening.text
 
     def _keep_mesh(self) -> list[str]:
         """Keep the mesh where its point sets are not those of the case."""
