@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import logging
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from functools import partial
@@ -28,6 +29,9 @@ from physgnn.serving.scene.viewed import view_mesh, view_run
 from physgnn.serving.sessions.engine import Engine
 from physgnn.serving.sessions.patient_frames import opening_frame, state_frame
 from physgnn.serving.sessions.predictions import scene_frame
+
+LOG = logging.getLogger("uvicorn.error")
+REPORT = "please report what stands in its terminal"
 
 SendText = Callable[[str], Awaitable[None]]
 SendBytes = Callable[[bytes], Awaitable[None]]
@@ -98,6 +102,10 @@ class PatientSession:
                     await self._answer(message)
                 except InputError as error:
                     await self._say("error", id=None, text=str(error))
+                except Exception as error:  # ours; the page must not wait for ever
+                    LOG.exception("an error in physgnn itself")
+                    text = f"an error in physgnn itself ({type(error).__name__})"
+                    await self._say("error", id=None, text=f"{text}: {REPORT}")
 
     async def _answer(self, message: PatientMessage) -> None:
         if isinstance(message, TriedCraniotomy):
