@@ -30,7 +30,7 @@ from physgnn.geometry import TetMesh, boundary_surface, mni152_phantom, tetrahed
 from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
-from physgnn.registration.measurement import N_SURFACE_POINTS
+from physgnn.registration.measurements.surfaces import N_SURFACE_POINTS
 from physgnn.registration.registrar import Registrar, Registration
 from shifts import EXPOSED_MM, Truth, held
 

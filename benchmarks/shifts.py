@@ -24,14 +24,15 @@ from physgnn.geometry import (
     select,
     tetrahedralize,
 )
-from physgnn.geometry.measured import PointPairs, SurfacePoints
+from physgnn.geometry.measured import Landmarks, PointPairs, SurfacePoints
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
 from physgnn.registration.skull import ALONG_MM, Support, fixed_support, sliding_support
 from physgnn.registration.tangent_response import TangentResponse
 
 EXPOSED_MM = 30.0
-N_PAIRS, N_SURFACE = 50, 2000
+N_PAIRS, N_SURFACE, N_LANDMARKS = 50, 2000, 15
+DEEP_MM = 50.0
 NOISE_MM, SHIFT_MM = (0.5, 1.0), (5.0, 12.0)
 TRUE_HELD_MM = 80.0
 BUCKLED = 1.5  # times the linear answer
@@ -52,6 +53,7 @@ class Case:
     pairs: PointPairs
     surface: SurfacePoints
     displacement: FloatArray
+    landmarks: Landmarks
 
 
 def _support(body: Body, skull: str) -> Support:
@@ -74,6 +76,9 @@ class Truth:
         self.free = np.setdiff1d(surface, self.mesh.point_set("fixed"))
         offset = self.mesh.points[self.free] - self.phantom.craniotomy_point
         self.exposed = self.free[np.linalg.norm(offset, axis=1) < EXPOSED_MM]
+        offset = self.mesh.points - self.phantom.craniotomy_point
+        depth = np.setdiff1d(np.arange(self.mesh.n_points), surface)
+        self.deep = depth[np.linalg.norm(offset[depth], axis=1) < DEEP_MM]
         faces = boundary_faces(self.mesh)
         self.faces = faces[np.isin(faces, self.exposed).all(axis=1)]
 
@@ -91,7 +96,11 @@ class Truth:
         noise = rng.uniform(*NOISE_MM)
         source, target = self._measure(rng, u, N_PAIRS, noise)
         _, surface = self._measure(rng, u, N_SURFACE, noise)
-        return Case(PointPairs(source, target), SurfacePoints(surface), u)
+        inside = rng.choice(self.deep, N_LANDMARKS, replace=False)
+        seen = self.mesh.points[inside]
+        found = seen + u[inside] + rng.normal(scale=noise, size=seen.shape)
+        landmarks = Landmarks(seen, found)
+        return Case(PointPairs(source, target), SurfacePoints(surface), u, landmarks)
 
     def _measure(
         self, rng: np.random.Generator, u: FloatArray, count: int, noise: float

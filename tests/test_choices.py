@@ -5,6 +5,7 @@ import pytest
 from physgnn import choices
 from physgnn.dataset import PRESETS, SOLVERS, SPLITS
 from physgnn.dataset.splits.samples import MESH
+from physgnn.geometry.meshing.tetrahedra import MESHERS
 from physgnn.imaging.image_warping import INTERPOLATIONS
 from physgnn.io.medical.images.nifti_place import FORMS
 from physgnn.io.stress_curves import PA
@@ -18,12 +19,14 @@ from physgnn.mechanics.materials.fitted_laws import FAMILIES
 from physgnn.registration.skull import SUPPORTS
 from physgnn.segmentation.backends import AUTO, BACKENDS
 from physgnn.segmentation.contrasts import FLUID_IS_BRIGHT
+from physgnn.stages.patient.measured_files import TRANSFORMED
 
 
 @pytest.mark.parametrize(
     ("choice", "rows"),
     [
         ("PresetName", PRESETS),
+        ("Mesher", MESHERS),
         ("SolverName", SOLVERS),
         ("Element", ELEMENTS),
         ("FittedLaw", FAMILIES),
@@ -34,6 +37,7 @@ from physgnn.segmentation.contrasts import FLUID_IS_BRIGHT
         ("Clock", CLOCKS),
         ("PrecisionName", PRECISIONS),
         ("Skull", SUPPORTS),
+        ("Transformed", TRANSFORMED),
         ("Interpolation", INTERPOLATIONS),
         ("AffineForm", FORMS),
         ("BrainBackend", [*BACKENDS, AUTO]),

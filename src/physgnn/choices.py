@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 PACKAGE = Path(__file__).parent
 TABLES = {
     "PresetName": ("dataset/presets.py", "PRESETS"),
+    "Mesher": ("geometry/meshing/tetrahedra.py", "MESHERS"),
     "SolverName": ("dataset/generation/pending_paths.py", "SOLVERS"),
     "Element": ("mechanics/elements/tet4.py", "ELEMENTS"),
     "FittedLaw": ("mechanics/materials/fitted_laws.py", "FAMILIES"),
@@ -25,6 +26,7 @@ TABLES = {
     "Clock": ("learning/training/budget.py", "CLOCKS"),
     "PrecisionName": ("learning/physgnn/precision.py", "PRECISIONS"),
     "Skull": ("registration/skull.py", "SUPPORTS"),
+    "Transformed": ("stages/patient/measured_files.py", "TRANSFORMED"),
     "AffineForm": ("io/medical/images/nifti_place.py", "FORMS"),
     "Interpolation": ("imaging/image_warping.py", "INTERPOLATIONS"),
     "BrainBackend": ("segmentation/backends/__init__.py", "BACKENDS"),
@@ -46,6 +48,14 @@ class Device(StrEnum):
     GPU = "gpu"
     MPS = "mps"
     AUTO = "auto"
+
+
+class MembraneSupport(StrEnum):
+    """How falx and tentorium act: see `physgnn.dataset.membranes`."""
+
+    HELD = "held"
+    ELASTIC = "elastic"
+    LEFT_OUT = "left-out"
 
 
 class Estimate(StrEnum):
@@ -85,6 +95,7 @@ def _value(node: ast.stmt) -> Any:
 if TYPE_CHECKING:
     # what a type checker sees of the choices that the command line offers
     PresetName: TypeAlias = str
+    Mesher: TypeAlias = str
     SolverName: TypeAlias = str
     Element: TypeAlias = str
     FittedLaw: TypeAlias = str
@@ -94,6 +105,7 @@ if TYPE_CHECKING:
     Clock: TypeAlias = str
     PrecisionName: TypeAlias = str
     Skull: TypeAlias = str
+    Transformed: TypeAlias = str
     AffineForm: TypeAlias = str
     Interpolation: TypeAlias = str
     BrainBackend: TypeAlias = str

@@ -7,6 +7,7 @@ import nibabel as nib
 import numpy as np
 import pytest
 import pyvista as pv
+from block_shifts import leaning
 
 from meshes import block_mesh
 from physgnn.cli import main
@@ -49,9 +50,11 @@ def test_measured_points_become_a_deformed_image(
     case, csv, out = (tmp_path / name for name in ("case.vtu", "m.csv", "out.vtu"))
     write_mesh(case, body)
     top = body.points[body.point_set("loaded")]
-    np.savetxt(csv, np.hstack([top, top - [0, 0, 4]]), delimiter=",")
+    shift = leaning(body, 12.0)[body.point_set("loaded")]
+    np.savetxt(csv, np.hstack([top, top + shift]), delimiter=",")
     run("register", case, "--points", csv, "--noise-mm", 0.5, "-o", out)
-    assert "misfit" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "misfit" in said and "rigid offset" in said
     x = np.moveaxis(np.indices((30, 30, 30)), 0, -1) * 4.0 - 20.0
     affine = np.diag([4.0, 4.0, 4.0, 1.0])
     affine[:3, 3] = -20.0
@@ -73,13 +76,16 @@ def test_a_measured_surface_becomes_a_deformed_label_map(
         tmp_path / name for name in ("case.vtu", "c.csv", "m.toml", "labels.nii")
     )
     write_mesh(case, body)
-    top = body.points[body.point_set("loaded")]
-    np.savetxt(cloud, top - [0, 0, 6], delimiter=",")
+    x, y = np.meshgrid(*2 * [np.linspace(0.0, 80.0, 16)])
+    flat = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 74.0)])
+    np.savetxt(cloud, flat, delimiter=",")
     toml.write_text('[materials.brain]\ntissue = "brain-ogden"\n')
     how = ("--skull", "sliding", "--materials", toml, "--as", "labels", "-o", out)
-    run("register", case, "--surface", cloud, *how)
+    run("register", case, "--surface", cloud, *how, code=3)
     said = capsys.readouterr().out
     assert "mm at most (90% of cases)" in said
+    # all of it sank alike, as it does when the tracker has moved
+    assert "navigation offset" in said
     labels = read_image(out)
     assert set(np.unique(labels.data)) == {0, 1, 2}
     highest = labels.grid.to_world(np.argwhere(labels.data))[:, 2].max()
@@ -89,8 +95,10 @@ def test_a_measured_surface_becomes_a_deformed_label_map(
 @pytest.mark.parametrize(
     ("words", "hint"),
     [
-        (("--points", "m.csv", "--surface", "m.csv", "-o", "o.vtu"), "or --surface"),
+        (("--target", "m.csv", "-o", "o.vtu"), "beside their targets"),
         (("-o", "o.vtu"), "give --points"),
+        (("--landmarks", "out.csv", "-o", "o.vtu"), "landmarks must lie inside"),
+        (("--points", "m.csv", "--surface-noise-mm", 0, "-o", "o.vtu"), "noise_mm of"),
         (("--points", "m.csv", "-o", "o.stl"), "written as .vtu"),
         (("--surface", "m.csv", "-o", "o.vtu"), "both ends of pairs"),
         (
@@ -112,6 +120,7 @@ def test_register_says_what_is_wrong(
     write_mesh("case.vtu", body)
     top = body.points[body.point_set("loaded")]
     np.savetxt("m.csv", np.hstack([top, top]), delimiter=",")
+    np.savetxt("out.csv", np.full((1, 6), 200.0), delimiter=",")
     with pytest.raises(AssertionError, match="2"):
         run("register", "case.vtu", *words)
     said = capsys.readouterr().err

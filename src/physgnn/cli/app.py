@@ -12,6 +12,7 @@ from physgnn.cli import (
     materials,
     patients,
     predictions,
+    registrations,
     segmenting,
     simulation,
     training,
@@ -37,6 +38,7 @@ MODULES = (
     materials,
     patients,
     images,
+    registrations,
     viewing,
 )
 """Every public function that one of these defines is a command, in this order."""

@@ -29,6 +29,25 @@ def anatomies(
     print(f"{out}: {len(made)} patients, {made[0].name} to {made[-1].name}")
 
 
+def init(
+    case: Annotated[Path, typer.Argument(help="The patient's mesh, VTU.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The file to write, TOML.")],
+    craniotomy: Annotated[
+        Path | None,
+        typer.Option(
+            help="One point in the middle of the craniotomy: .mrk.json, .fcsv or CSV; "
+            "by default the cortex nearest to the tumour."
+        ),
+    ] = None,
+    radius_mm: Annotated[
+        float, typer.Option(help="Lay the cortex open over this radius.")
+    ] = 30.0,
+) -> None:
+    """Write what to simulate on a patient, for simulate and adapt --loads."""
+    stages.init(case, out, craniotomy=craniotomy, radius_mm=radius_mm, log=say)
+    print(f"{out}: run physgnn simulate {case} --loads {out} -o loads.zarr")
+
+
 def adapt(
     out: OutFolder,
     run: Annotated[

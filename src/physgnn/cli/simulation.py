@@ -31,10 +31,12 @@ def mesh(
     labels: Annotated[
         str,
         typer.Option(
-            help="Which label is which tissue: the name of a convention (mask, "
-            "segment, freesurfer, brats, or exactly one of brats-2020, brats-2023, "
-            "brats-post and msd) or a list such as brain=1,tumour=4. Names of "
-            "segments, or of groups of cells, may stand for numbers."
+            help="Which label is which tissue: the name of a convention (mask; "
+            "segment; freesurfer, synthseg, neuromorphometrics, harvard-oxford, or "
+            "atlas where all is brain; brats, or exactly one of brats-2013, "
+            "brats-2020, brats-2023, brats-post, brats-ped, brats-men-rt and msd), a list such as "
+            "brain=1,tumour=4, or a name and what differs, freesurfer,tumour=99. Names "
+            "of segments, or of groups of cells, may stand for numbers."
         ),
     ] = "mask",
     brain_mask: Annotated[
@@ -55,6 +57,12 @@ def mesh(
         float | None,
         typer.Option(help="Fill the sulci of a label map by a closing of this radius."),
     ] = None,
+    smallest_mm3: Annotated[
+        float,
+        typer.Option(
+            help="Take pieces of tumour or ventricle below this volume for brain."
+        ),
+    ] = 200.0,
     brain: Annotated[
         Path | None,
         typer.Option(
@@ -86,6 +94,21 @@ def mesh(
     target_points: Annotated[
         int | None,
         typer.Option(help="Aim at about this many points, instead of a cell size."),
+    ] = None,
+    keep_surface: Annotated[
+        bool,
+        typer.Option(
+            "--keep-surface",
+            help="Keep the points of surfaces, as published, instead of remeshing "
+            "what is finer than --target-points needs.",
+        ),
+    ] = False,
+    mesher: Annotated[
+        choices.Mesher | None,
+        typer.Option(
+            help="Fill the surfaces by this program; by default by tetwild, but by "
+            "tetgen, if it is installed, where the surfaces' points are kept."
+        ),
     ] = None,
     quality_floor: Annotated[
         float | None,
@@ -119,12 +142,15 @@ def mesh(
             brain_mask=brain_mask,
             smoothing_mm=smoothing_mm,
             closing_mm=closing_mm,
+            smallest_mm3=smallest_mm3,
             brain=brain,
             tumour=tumour or (),
             mni152=mni152,
             sets=sets,
             max_volume_mm3=max_volume_mm3,
             target_points=target_points,
+            keep_surface=keep_surface,
+            mesher=mesher,
             quality_floor=quality_floor,
             ignore_labels=ignore_labels,
             any_size=any_size,

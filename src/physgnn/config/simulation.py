@@ -26,6 +26,11 @@ c1_pa = 1000
 c2_pa = 250
 bulk_modulus_pa = 120_000
 
+[membranes]                   # sheets that a label map's mesh has; left out if not
+falx = "held"                 # named: or "elastic", "left-out"
+tentorium = "elastic"
+stiffness_pa_per_mm = 1000    # of elastic ones
+
 [loads]                       # forces drawn at random, see LoadsTable
 total_force_n = 5.0           # without it there is one path, of levels steps
 
@@ -49,6 +54,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from physgnn.choices import MembraneSupport
 from physgnn.config.materials import MATERIALS, region_of
 from physgnn.config.point_sets import RULES_BY_NAME
 from physgnn.config.tables import ConfigTable, read_as, read_toml, variants
@@ -62,6 +68,7 @@ from physgnn.dataset.load_rules import (
     with_more,
     without_forces,
 )
+from physgnn.dataset.membranes import Membranes
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR, Preset
 from physgnn.errors import InputError
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, checked_element
@@ -133,6 +140,14 @@ class LoadsTable(ConfigTable):
         return partial(bounded, paths=paths, n_paths=n_paths, n_levels=self.levels)
 
 
+class MembranesTable(ConfigTable):
+    """The ``[membranes]`` table: see `physgnn.dataset.membranes.Membranes`."""
+
+    falx: MembraneSupport = MembraneSupport.LEFT_OUT
+    tentorium: MembraneSupport = MembraneSupport.LEFT_OUT
+    stiffness_pa_per_mm: float = Field(default=1000.0, gt=0)
+
+
 class SimulationTable(ConfigTable):
     """The whole file."""
 
@@ -140,6 +155,7 @@ class SimulationTable(ConfigTable):
     remove_region: Annotated[int, BeforeValidator(region_of)] | None = None
     point_sets: RULES_BY_NAME = Field(default_factory=dict)
     materials: MATERIALS = Field(default_factory=dict)
+    membranes: MembranesTable = Field(default_factory=MembranesTable)
     loads: LoadsTable
 
     @model_validator(mode="after")
@@ -186,4 +202,5 @@ def read_preset(path: str | Path) -> Preset:
         has_forces=file.loads.has_forces,
         element=file.element,
         removed=file.remove_region,
+        membranes=Membranes(**file.membranes.model_dump()),
     )

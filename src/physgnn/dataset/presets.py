@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from physgnn.dataset.load_rules import Paths
+from physgnn.dataset.membranes import Membranes
 from physgnn.errors import InputError
 from physgnn.geometry import point_sets
 from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
@@ -44,6 +45,8 @@ class Preset:
         As in `physgnn.mechanics.SolverOptions`.
     removed : int or None
         Region taken out before all else; its walls are then outer surface.
+    membranes : Membranes
+        How falx and tentorium act.
     """
 
     materials: Mapping[int, Material]
@@ -54,6 +57,7 @@ class Preset:
     has_forces: bool = True
     element: str = DEFAULT_ELEMENT
     removed: int | None = None
+    membranes: Membranes = field(default_factory=Membranes)
 
     def on(self, mesh: TetMesh) -> tuple[TetMesh, list[LoadPath]]:
         """Return the mesh to be solved on, with its point sets, and the load paths.
@@ -74,8 +78,10 @@ class Preset:
             for name, rule in rules.items()
             if name != "loaded" or rule is not None or self.has_forces
         }
-        mesh = mesh.with_point_sets(**sets)
-        return mesh, self.paths(mesh, sets.get("loaded", np.empty(0, dtype=np.int64)))
+        mesh = self.membranes.holding(mesh.with_point_sets(**sets))
+        none = np.empty(0, dtype=np.int64)
+        loaded = mesh.point_set("loaded") if "loaded" in sets else none
+        return mesh, self.membranes.on(mesh, self.paths(mesh, loaded))
 
 
 BRAIN_AND_TUMOUR: Mapping[int, Material] = {

@@ -1,6 +1,7 @@
 """What was measured of a shift: pairs of points, or where a surface lies now."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,24 +22,37 @@ class PointPairs:
         In the rest state, mm, world axes RAS+.
     target : (n, 3) array
         The same points after the shift.
+    labels : tuple of str
+        The name of each; by default its number, from 1.
 
     Raises
     ------
     InputError
-        If the two differ in number, there are fewer than three, or one is not finite.
+        If they differ in number, there are fewer than three, or one is not finite.
     """
 
     source: FloatArray
     target: FloatArray
+    labels: tuple[str, ...] = ()
+
+    fewest: ClassVar[int] = FEWEST_PAIRS
 
     def __post_init__(self) -> None:
         for name in ("source", "target"):
             points = checked_points(getattr(self, name), f"{name} points")
             object.__setattr__(self, name, points)
-        if not len(self.source) == len(self.target) >= FEWEST_PAIRS:
+        if not len(self.source) == len(self.target) >= self.fewest:
             raise InputError(
-                "every source point needs its target, and there must be three pairs or "
-                f"more (got {len(self.source)} and {len(self.target)})"
+                "every source point needs its target, and there must be "
+                f"{self.fewest} pairs or more (got {len(self.source)} and "
+                f"{len(self.target)})"
+            )
+        names = self.labels or [str(i + 1) for i in range(len(self.source))]
+        object.__setattr__(self, "labels", tuple(names))
+        if len(self.labels) != len(self.source):
+            raise InputError(
+                "every pair needs a label, or none has one "
+                f"(got {len(self.labels)} labels of {len(self.source)} pairs)"
             )
 
     @property
@@ -48,9 +62,15 @@ class PointPairs:
         return moved
 
 
+class Landmarks(PointPairs):
+    """Pairs of points inside a brain, such as those seen by ultrasound; one will do."""
+
+    fewest: ClassVar[int] = 1
+
+
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
-    """Points of a surface after a shift, in no order.
+    """Points of the exposed surface after a shift, in no order.
 
     Parameters
     ----------
@@ -75,10 +95,35 @@ class SurfacePoints:
             )
 
     def thinned(self, count: int) -> "SurfacePoints":
-        """Return so many points, evenly spread, or all if there are not more."""
+        """Return so many of the points, or all if there are not more.
+
+        Which ones does not depend on where they lie, so that a point which moves by a
+        little changes the result by a little.
+        """
         if len(self.points) <= count:
             return self
-        return SurfacePoints(self.points[farthest_points(self.points, count=count)])
+        order = np.random.default_rng(0).permutation(len(self.points))
+        return SurfacePoints(self.points[np.sort(order[:count])])
+
+
+@dataclass(frozen=True, eq=False)
+class WholeSurface(SurfacePoints):
+    """The whole surface of a brain after a shift, such as of an intraoperative scan.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Its points, mm, world axes RAS+.
+    faces : (m, 3) array
+        Its triangles.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than ten points, or one is not finite.
+    """
+
+    faces: IntArray
 
 
 def farthest_points(

@@ -10,6 +10,7 @@ from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import Load, LoadCase, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
+from physgnn.mechanics.loads.springs import Springs, membrane_springs
 from physgnn.mechanics.materials import (
     TISSUES,
     Material,
@@ -35,10 +36,12 @@ __all__ = [
     "Solution",
     "Solver",
     "SolverOptions",
+    "Springs",
     "Status",
     "SurfacePressure",
     "deformation_gradient",
     "faces_within",
+    "membrane_springs",
     "remove_region",
     "solve",
 ]

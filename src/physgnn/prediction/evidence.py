@@ -38,6 +38,46 @@ AS_WELL = 1.1  # squared misfit of a translation over that of the elastic body
 LEAST_CHANCE = 1e-3  # of so large a misfit, if noise alone were its cause
 
 
+# Of the places of one kind; beyond it, nothing says which of them are the bad ones.
+LARGEST_OUTLIER_SHARE = 0.2
+# Logarithm of the ratio of probabilities that is strong evidence (Kass & Raftery,
+# "Bayes factors", Journal of the American Statistical Association 90, 1995, 773-795).
+STRONG_EVIDENCE = 3.0
+# Beforehand, an offset is thought to have a standard deviation of 2 mm an axis. In
+# simulated shifts (benchmarks/registration_statuses.py) none that was there was found
+# above the first; above the second the data tell hardly anything.
+UNUSUAL_OFFSET_MM, UNKNOWN_OFFSET_MM = 3.0, 1.6
+# Opened, a brain sinks as a rule. A surface alone that lies farther out than this, in
+# the median, is as likely of a navigation that is off.
+LARGEST_BULGE_MM = 2.5
+
+
+@dataclass(frozen=True)
+class OffsetEvidence:
+    """What the data say of a rigid offset of the navigation.
+
+    Attributes
+    ----------
+    length_mm, turn_deg : float
+        Its most probable translation and rotation.
+    deviation_mm : float
+        Standard deviation of the translation along an axis, given the data.
+    log_ratio : float
+        Logarithm of how much more probable the data are with an offset.
+    change_mm : float
+        How far, at most, the displacement of a point is another with an offset.
+    corrected : bool
+        Whether the displacement is the one with an offset.
+    """
+
+    length_mm: float
+    turn_deg: float
+    deviation_mm: float
+    log_ratio: float
+    change_mm: float
+    corrected: bool
+
+
 @dataclass(frozen=True)
 class MeasurementFit:
     """How well a registration meets what was measured.
@@ -60,6 +100,13 @@ class MeasurementFit:
         Squared misfit over what the stated noise lets expect.
     chance : float
         Probability of a misfit as large, by noise alone.
+    outlier_share : float
+        Of the places of one kind, at most, that the rest contradicts.
+    offset : OffsetEvidence, optional
+        Where an offset of the navigation was looked for.
+    outside_mm : float
+        Median distance of a measured surface outward from the body's at rest, where
+        nothing else was measured; 0 with points.
     """
 
     n_places: int
@@ -69,6 +116,9 @@ class MeasurementFit:
     translation_misfit: float
     misfit_ratio: float
     chance: float
+    outlier_share: float = 0.0
+    offset: OffsetEvidence | None = None
+    outside_mm: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -209,6 +259,50 @@ def _misfit(evidence: Evidence) -> Iterator[str]:
             f"{np.sqrt(max(fit.misfit_ratio, 0.0)):.1f} times as far apart as the "
             "stated noise lets expect"
         )
+    if fit is not None and fit.outlier_share > LARGEST_OUTLIER_SHARE:
+        yield (
+            f"{fit.outlier_share:.0%} of the places lie farther off than the stated "
+            f"noise lets expect (at most {LARGEST_OUTLIER_SHARE:.0%})"
+        )
+
+
+def _offset_of_navigation(evidence: Evidence) -> Iterator[str]:
+    offset = evidence.fit.offset if evidence.fit is not None else None
+    if offset is None or offset.corrected:
+        return
+    if offset.log_ratio >= STRONG_EVIDENCE:
+        yield (
+            f"a rigid offset of the navigation of {offset.length_mm:.1f} mm and "
+            f"{offset.turn_deg:.1f} degrees explains the measurement better than loads "
+            "alone"
+        )
+
+
+def _offset_not_told(evidence: Evidence) -> Iterator[str]:
+    fit = evidence.fit
+    if fit is None or fit.offset is None:
+        return
+    offset = fit.offset
+    if offset.corrected and offset.deviation_mm > UNKNOWN_OFFSET_MM:
+        yield (
+            "what was measured tells little of a rigid offset, which it was to correct "
+            f"({offset.deviation_mm:.1f} mm uncertain)"
+        )
+    if (
+        not offset.corrected
+        and offset.length_mm > UNUSUAL_OFFSET_MM
+        and (0 < offset.log_ratio < STRONG_EVIDENCE)
+    ):
+        yield (
+            f"a rigid offset of the navigation of {offset.length_mm:.1f} mm explains "
+            "the measurement as well as a shift does: with it, points would move by up "
+            f"to {offset.change_mm:.1f} mm less or more"
+        )
+    if fit.outside_mm > LARGEST_BULGE_MM:
+        yield (
+            f"the measured surface lies {fit.outside_mm:.1f} mm outside of the body's: "
+            "a brain that swells and a navigation that is off look the same"
+        )
 
 
 def _outside(evidence: Evidence) -> Iterator[str]:
@@ -246,6 +340,8 @@ RULES: tuple[tuple[PredictionStatus, Rule], ...] = (
     (PredictionStatus.TOLERANCE_NOT_MET, _not_converged),
     (PredictionStatus.MISFIT_ABOVE_NOISE, _misfit),
     (PredictionStatus.MOVED_AS_A_WHOLE, _moved_as_a_whole),
+    (PredictionStatus.NAVIGATION_OFFSET, _offset_of_navigation),
+    (PredictionStatus.OFFSET_NOT_TOLD, _offset_not_told),
     (PredictionStatus.IMPLAUSIBLE_DISPLACEMENT, _implausible),
     (PredictionStatus.OUTSIDE_TRAINED_RANGE, _outside),
     (PredictionStatus.NO_ERROR_ESTIMATE, _no_estimate),

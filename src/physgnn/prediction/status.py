@@ -18,6 +18,8 @@ class PredictionStatus(IntEnum):
     MEASUREMENT_TOO_FAR = 9
     MOVED_AS_A_WHOLE = 10
     MISFIT_ABOVE_NOISE = 11
+    NAVIGATION_OFFSET = 12
+    OFFSET_NOT_TOLD = 13
 
     @property
     def remedy(self) -> str:
@@ -81,5 +83,13 @@ _REMEDY = {
     PredictionStatus.MISFIT_ABOVE_NOISE: (
         "what was measured does not fit this brain to within the stated noise: check "
         "for swapped or bad points, the mesh, and noise_mm"
+    ),
+    PredictionStatus.NAVIGATION_OFFSET: (
+        "the navigation seems to be off by a rigid motion: give --rigid-offset to have "
+        "it corrected, or register the tracker again"
+    ),
+    PredictionStatus.OFFSET_NOT_TOLD: (
+        "a rigid offset of the navigation cannot be told from a shift of the brain: "
+        "measure farther apart and inside, or points that cannot have moved"
     ),
 }

@@ -1,58 +1,116 @@
 """How well a registration meets what was measured: the evidence for its status."""
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 from scipy.stats import chi2
 
-from physgnn.arrays import FloatArray
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.measured import farthest_points
-from physgnn.prediction.evidence import SAME_PLACE_MM, MeasurementFit
-from physgnn.registration.gaussian import Posterior
-from physgnn.registration.measurement import MeasuredPairs, Measurement
+from physgnn.prediction.evidence import SAME_PLACE_MM, MeasurementFit, OffsetEvidence
+from physgnn.registration.inference.heavy_tails import RobustFit
+from physgnn.registration.inference.rigid_offset import RigidOffset
+from physgnn.registration.inference.rows import MeasuredRows
+from physgnn.registration.measurements.observation import Measurement
+from physgnn.registration.measurements.points import MeasuredPoints
 
 # The stated noise may be too small by this factor before a misfit counts against it:
 # a tracker's noise is known no better.
 NOISE_KNOWN_WITHIN = 1.5
-# The points of a surface are thinned to those farthest from each other, which are the
-# noisier ones: their variance was up to 2.1 times that of all in simulated shifts
-# (benchmarks/registration_statuses.py).
-VARIANCE_BY_KIND = {"pairs": 1.0, "surface": 2.0}
 
 
 def fit_of(
-    measurement: Measurement, displacement: FloatArray, posterior: Posterior
+    measured: Sequence[Measurement],
+    rows: MeasuredRows,
+    fit: RobustFit,
+    offset: RigidOffset,
 ) -> MeasurementFit:
-    """Return how well a displacement meets a measurement.
+    """Return how well a displacement meets what was measured.
+
+    Outliers count as not measured.
 
     Parameters
     ----------
-    measurement : Measurement
-        What was measured.
-    displacement : (n_points, 3) array
-        Of the registered body, mm.
-    posterior : Posterior
-        Of the last step that led there.
+    measured : sequence of Measurement
+        Everything measured.
+    rows : MeasuredRows
+        About the registered state.
+    fit : RobustFit
+        Of the last step.
+    offset : RigidOffset
+        Of the navigation.
     """
-    places = measurement.points[
-        farthest_points(measurement.points, spacing=SAME_PLACE_MM)
-    ]
-    missing = measurement.observe(displacement).missing
-    elastic = float((missing**2).sum()) / max(posterior.freedom, 1.0)
-    translation, misfit = (
-        best_translation(measurement.moved)
-        if isinstance(measurement, MeasuredPairs)
-        else (0.0, np.inf)
+    kept = ~fit.outliers
+    points = np.concatenate([one.points for one in measured])[kept]
+    few = (
+        points[farthest_points(points, spacing=SAME_PLACE_MM)]
+        if len(points)
+        else points
     )
-    allowed = NOISE_KNOWN_WITHIN**2 * VARIANCE_BY_KIND[measurement.kind]
-    ratio = posterior.misfit_ratio
+    counts = np.cumsum([0, *(n for n, _ in rows.blocks)])
+    parts = [slice(*ends) for ends in pairwise(counts)]
+    ratios = [_misfit(rows, fit, part, kept) for part in parts]
+    worst = min(ratios, key=lambda found: found[1])
+    translation, as_well = _whole_translation(measured, parts, kept, rows, fit)
     return MeasurementFit(
-        n_places=len(places),
-        spread_mm=second_spread(places),
-        distance_mm=measurement.distance_mm,
+        n_places=len(few),
+        spread_mm=second_spread(few),
+        distance_mm=max(one.distance_mm for one in measured),
         translation_mm=translation,
-        translation_misfit=misfit / max(elastic, np.finfo(float).tiny),
-        misfit_ratio=ratio,
-        chance=float(chi2.sf(posterior.freedom * ratio / allowed, posterior.freedom)),
+        translation_misfit=as_well,
+        misfit_ratio=worst[0],
+        chance=worst[1],
+        outlier_share=max(float(fit.outliers[part].mean()) for part in parts),
+        offset=OffsetEvidence(
+            length_mm=offset.length_mm,
+            turn_deg=offset.turn_deg,
+            deviation_mm=float(offset.deviation_mm.max()),
+            log_ratio=offset.log_ratio,
+            change_mm=offset.change_mm,
+            corrected=offset.corrected,
+        ),
+        outside_mm=min((one.outside_mm for one in measured), default=0.0),
     )
+
+
+def _misfit(
+    rows: MeasuredRows, fit: RobustFit, part: slice, kept: BoolArray
+) -> tuple[float, float]:
+    """Return the squared misfit of some places over what noise lets expect, its chance.
+
+    Those that are outliers are left out.
+    """
+    chosen = np.zeros(len(kept), dtype=bool)
+    chosen[part] = kept[part]
+    data = rows.spread(chosen.astype(float)) > 0
+    freedom = float((1.0 - fit.posterior.leverage[data]).sum())
+    square = float((fit.misfit[data] ** 2).sum())
+    ratio = square / max(freedom, 1e-12)
+    return ratio, float(chi2.sf(square / NOISE_KNOWN_WITHIN**2, max(freedom, 1e-12)))
+
+
+def _whole_translation(
+    measured: Sequence[Measurement],
+    parts: Sequence[slice],
+    kept: BoolArray,
+    rows: MeasuredRows,
+    fit: RobustFit,
+) -> tuple[float, float]:
+    """Return the translation nearest to all pairs, and its misfit over the body's."""
+    moved = [
+        one.moved[kept[part]]
+        for one, part in zip(measured, parts, strict=True)
+        if isinstance(one, MeasuredPoints)
+    ]
+    if len(moved) < len(measured) or not sum(map(len, moved)):
+        return 0.0, np.inf
+    translation, misfit = best_translation(np.concatenate(moved))
+    data = rows.spread(kept.astype(float)) > 0
+    square = float(((fit.misfit * rows.noise)[data] ** 2).sum())
+    freedom = float((1.0 - fit.posterior.leverage[data]).sum())
+    elastic = square / max(freedom, 1.0)
+    return translation, misfit / max(elastic, np.finfo(float).tiny)
 
 
 def second_spread(places: FloatArray) -> float:

@@ -15,6 +15,7 @@ from .networks.evaluation import evaluate as evaluate
 from .networks.published_weights import published as published
 from .networks.training import train as train
 from .patient.adaptation import adapt as adapt
+from .patient.case_file import init as init
 from .patient.meshing import mesh as mesh
 from .patient.prediction import predict as predict
 from .patient.registration import register as register

@@ -116,7 +116,9 @@ def test_refuses_options_out_of_range(sphere, options, message) -> None:  # type
 def test_a_missing_mesher_names_the_extra(sphere, monkeypatch) -> None:  # type: ignore[no-untyped-def]
     monkeypatch.setattr(tetgen_process, "available", lambda: False)
     with pytest.raises(InputError, match=r"pip install 'physgnn\[tetgen\]'"):
-        tetrahedralize(sphere())
+        tetrahedralize(sphere(), mesher="tetgen")
+    with pytest.raises(InputError, match="tetwild, tetgen"):
+        tetrahedralize(sphere(), mesher="gmsh")
 
 
 def test_what_tetgen_cannot_mesh_is_an_error_of_ours(sphere) -> None:  # type: ignore[no-untyped-def]

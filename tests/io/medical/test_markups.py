@@ -167,7 +167,7 @@ def test_a_point_that_is_left_out_takes_its_partner_along(
 
 def test_labels_pair_lists_in_any_order() -> None:
     points = [MarkedPoint(name, np.full(3, float(i))) for i, name in enumerate("abcd")]
-    source, target, lines = paired(points, [*points[:2], points[3]][::-1])
+    source, target, _, lines = paired(points, [*points[:2], points[3]][::-1])
     np.testing.assert_array_equal(source, target)
     assert len(source) == 3 and lines == ["pair 'c' left out: without a partner"]
 
@@ -177,7 +177,7 @@ def test_lists_without_common_labels_pair_by_their_order() -> None:
         return [MarkedPoint(n, np.full(3, float(i))) for i, n in enumerate(names)]
 
     for other in (points("p", "q", "r"), points("", "", ""), points("p", "p", "a")):
-        source, target, _ = paired(points("a", "b", "c"), other)
+        source, target, *_ = paired(points("a", "b", "c"), other)
         np.testing.assert_array_equal(source, target)
     with pytest.raises(InputError, match="labels of source and target must match"):
         paired(points("a", "b", "c"), points("a", "x", "y"))

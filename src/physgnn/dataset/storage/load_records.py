@@ -17,11 +17,13 @@ from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure
+from physgnn.mechanics.loads.springs import Springs
 
 KINDS: Mapping[str, type[Load]] = {
     "pressure": SurfacePressure,
     "gravity": Gravity,
     "displacement": PrescribedDisplacement,
+    "springs": Springs,
 }
 Arrays = Mapping[str, NDArray[Any]]
 

@@ -1,13 +1,10 @@
 """One TetGen run in a process of its own.
 
-TetGen may abort or fault on input it cannot mesh, and writes to standard output;
-neither may reach the caller. `run` starts this file as a script, which imports
-NumPy and tetgen alone, and reads back what it wrote.
+`run` starts this file as a script, which imports NumPy, tetgen and what it needs of
+this package alone.
 """
 
-import subprocess
 import sys
-import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -15,8 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
-
-INPUT, OUTPUT = "surface.npz", "mesh.npz"
+from physgnn.geometry.meshing.mesher_process import (
+    INPUT,
+    OUTPUT,
+    Arrays,
+    run_script,
+)
 
 
 def available() -> bool:
@@ -44,26 +45,13 @@ def run(
         If TetGen fails, faults or takes longer than `timeout_s`; the message is
         its last line.
     """
-    with tempfile.TemporaryDirectory(prefix="physgnn-tetgen-") as folder:
-        np.savez(Path(folder) / INPUT, points=points, faces=faces)
-        try:
-            done = subprocess.run(
-                [sys.executable, "-P", __file__, folder, switches],
-                cwd=folder,  # where it fails, TetGen leaves files behind
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=timeout_s,
-                check=False,
-            )
-        except subprocess.TimeoutExpired as error:
-            raise RuntimeError(f"it ran for more than {timeout_s:g} s") from error
-        output = Path(folder) / OUTPUT
-        if done.returncode != 0 or not output.exists():
-            lines = (done.stdout + done.stderr).strip().splitlines()
-            raise RuntimeError(lines[-1] if lines else f"exit code {done.returncode}")
-        with np.load(output, allow_pickle=False) as mesh:
-            return mesh["points"], mesh["cells"], mesh["attribute"]
+    arrays: Arrays = {"points": points, "faces": faces}
+    made = run_script(__file__, arrays, switches, timeout_s=timeout_s)
+    return (
+        np.asarray(made["points"], dtype=np.float64),
+        np.asarray(made["cells"], dtype=np.int32),
+        np.asarray(made["attribute"], dtype=np.int32),
+    )
 
 
 def main(folder: str, switches: str) -> None:

@@ -1,24 +1,29 @@
-"""Surfaces to a two-region tetrahedral mesh, by TetGen as in the published work.
+"""Surfaces to a two-region tetrahedral mesh, by TetGen as published or by fTetWild.
 
-The merged surfaces' points are sorted by (x, y, z) and kept exactly; TetGen runs
+For TetGen the merged surfaces' points are sorted by (x, y, z) and kept exactly; it runs
 with ``-pq1.2AaY``. Its result depends on its version and on that order: the tetgen
-wheel carries TetGen 1.6.
+wheel carries TetGen 1.6. fTetWild is what is left where tetgen is not installed.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.cell_checks import CELL_FACES
 from physgnn.geometry.meshing import tetgen_process
-from physgnn.geometry.surface import FaceArray, Surface, edge_lengths, merge
+from physgnn.geometry.meshing.tetwild import edge_of, mesh_by_tetwild
+from physgnn.geometry.surface import FaceArray, Surface, edge_lengths, merge, volume
 from physgnn.geometry.tetmesh import TetMesh
 
+TETGEN, TETWILD = "tetgen", "tetwild"
 TARGET_RANGE = (1_000, 200_000)
-TARGET_TOLERANCE = 0.05
+# fTetWild takes twenty seconds where TetGen takes one
+TARGET_TOLERANCE = {TETGEN: 0.05, TETWILD: 0.1}
 TARGET_RUNS = 6
-SATURATED = 0.01  # larger cells change nothing more: the surfaces set the number
+# Of the tolerance: larger cells change no more, the surfaces set the number.
+SATURATED = 0.2
 
 
 def tetrahedralize(
@@ -28,6 +33,7 @@ def tetrahedralize(
     max_volume_mm3: float | None = None,
     target_points: int | None = None,
     quality_ratio: float = 1.2,
+    mesher: str | None = None,
     log: Callable[[str], None] = lambda _: None,
 ) -> TetMesh:
     """Mesh a brain and the tumours within it.
@@ -45,42 +51,44 @@ def tetrahedralize(
         Find the cell volume that gives about this many points instead.
     quality_ratio : float
         TetGen's bound on a cell's circumradius over its shortest edge, > 1.
+    mesher : str, optional
+        ``"tetgen"`` keeps the surfaces' points, ``"tetwild"`` moves them by up to 0.1
+        mm for better cells; by default TetGen where it is installed.
     log : callable
-        Gets one line for each run of TetGen.
+        Gets one line for each run of the mesher.
 
     Returns
     -------
     TetMesh
-        Region 0 brain, 1 tumour. Its first points are those of the merged surfaces,
-        sorted by (x, y, z).
+        Region 0 brain, 1 tumour. TetGen's first points are those of the merged
+        surfaces, sorted by (x, y, z).
 
     Raises
     ------
     InputError
         If tetgen is not installed, an option is out of range or TetGen fails.
     """
-    if not tetgen_process.available():
-        raise InputError(
-            "meshing needs the tetgen package, which is not installed: "
-            "run pip install 'physgnn[tetgen]'"
-        )
+    chosen = chosen_mesher(mesher)
     if not 1.0 < quality_ratio <= 10.0:
         raise InputError(f"quality_ratio must be in (1, 10] (got {quality_ratio})")
     if max_volume_mm3 is not None and target_points is not None:
         raise InputError("give max_volume_mm3 or target_points, not both")
     complex_ = merge([brain, *tumours])
+    fill = MESHERS[chosen](brain, tumours, quality_ratio)
 
     def mesh(max_volume: float) -> TetMesh:
-        result = _run_tetgen(complex_, max_volume, quality_ratio)
+        result = fill(max_volume)
         log(
-            f"TetGen: {result.n_points} points, {result.n_cells} cells "
+            f"{NAMES[chosen]}: {result.n_points} points, {result.n_cells} cells "
             f"(cells up to {max_volume:.4g} mm³)"
         )
         return result
 
     if target_points is not None:
-        found = _mesh_near(target_points, mesh, paper_max_volume(complex_))
-        if abs(np.log(found.n_points / target_points)) > TARGET_TOLERANCE:
+        first = _first_volume(chosen, brain, complex_, target_points)
+        tolerance = TARGET_TOLERANCE[chosen]
+        found = _mesh_near(target_points, mesh, first, tolerance)
+        if abs(np.log(found.n_points / target_points)) > tolerance:
             log(
                 f"{found.n_points} points is the nearest to {target_points} found: the "
                 f"{complex_.n_points} points of the surfaces are kept"
@@ -91,6 +99,28 @@ def tetrahedralize(
     if not 0 < max_volume_mm3 < np.inf:
         raise InputError(f"max_volume_mm3 must be > 0 (got {max_volume_mm3})")
     return mesh(max_volume_mm3)
+
+
+def chosen_mesher(mesher: str | None) -> str:
+    """Return the mesher of a name, or the one that is there.
+
+    Raises
+    ------
+    InputError
+        If there is no such mesher, or it is TetGen and not installed.
+    """
+    if mesher is None:
+        return TETGEN if tetgen_process.available() else TETWILD
+    if mesher not in MESHERS:
+        raise InputError(
+            f"the mesher must be one of {', '.join(MESHERS)} (got '{mesher}')"
+        )
+    if mesher == TETGEN and not tetgen_process.available():
+        raise InputError(
+            "meshing by TetGen needs the tetgen package, which is not installed: "
+            "run pip install 'physgnn[tetgen]', or mesh by fTetWild (--mesher tetwild)"
+        )
+    return mesher
 
 
 def paper_max_volume(surface: Surface) -> float:
@@ -110,6 +140,34 @@ def paper_max_volume(surface: Surface) -> float:
         mm³.
     """
     return float(2.0 * edge_lengths(surface).mean() ** 3 / (6.0 * np.sqrt(2.0)))
+
+
+Filler = Callable[[float], TetMesh]
+
+
+def _tetgen(brain: Surface, tumours: Sequence[Surface], quality_ratio: float) -> Filler:
+    return partial(_run_tetgen, merge([brain, *tumours]), quality_ratio=quality_ratio)
+
+
+def _tetwild(brain: Surface, tumours: Sequence[Surface], _: float) -> Filler:
+    return lambda max_volume: mesh_by_tetwild(brain, tumours, edge_of(max_volume))
+
+
+MESHERS: dict[str, Callable[[Surface, Sequence[Surface], float], Filler]] = {
+    "tetgen": _tetgen,
+    "tetwild": _tetwild,
+}
+NAMES = {TETGEN: "TetGen", TETWILD: "fTetWild"}
+# Points of fTetWild's mesh for those of a lattice of the edge that is asked for.
+TETWILD_POINTS = 1.38
+
+
+def _first_volume(mesher: str, brain: Surface, whole: Surface, target: int) -> float:
+    """Return the cell volume that a search for a number of points begins with."""
+    if mesher == TETGEN:
+        return paper_max_volume(whole)
+    # a lattice of edge h has a point for every h³/√2, so a bound of 2h³/(6√2) has
+    return float(TETWILD_POINTS * abs(volume(brain)) / (3.0 * target))
 
 
 def _run_tetgen(surface: Surface, max_volume: float, quality_ratio: float) -> TetMesh:
@@ -138,7 +196,10 @@ def _regions(cells: FaceArray, attribute: FaceArray) -> FaceArray:
 
 
 def _mesh_near(
-    target: int, mesh: Callable[[float], TetMesh], first_volume: float
+    target: int,
+    mesh: Callable[[float], TetMesh],
+    first_volume: float,
+    tolerance: float,
 ) -> TetMesh:
     """Return the mesh nearest to a number of points within a few runs.
 
@@ -153,11 +214,11 @@ def _mesh_near(
         found = mesh(float(np.exp(log_volume)))
         excess = float(np.log(found.n_points / target))
         tried.append((log_volume, excess, found))
-        if abs(excess) < TARGET_TOLERANCE:
+        if abs(excess) < tolerance:
             break
         if len(tried) > 1:
             (x0, y0, _), (x1, y1, _) = tried[-2:]
-            if abs(y1 - y0) < SATURATED:
+            if abs(y1 - y0) < SATURATED * tolerance:
                 break
             slope = min((y1 - y0) / (x1 - x0), -0.1)
         log_volume -= np.clip(excess / slope, -4.0, 4.0)

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.arrays import BoolArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import LabelVolume
 from physgnn.geometry.segmentation.label_tables import LabelTable
+from physgnn.geometry.segmentation.volume_fit import dice
 
 # Of the labelled volume that is not outside of the brain.
 MOST_UNUSED = 0.02
@@ -114,6 +114,8 @@ def label_lines(
     table: LabelTable,
     regions: NDArray[np.int32],
     names: tuple[str, ...],
+    *,
+    whole: float | None = None,
 ) -> list[str]:
     """Return a line for each label that is used: its tissue, volume and fit.
 
@@ -127,9 +129,15 @@ def label_lines(
         The mesh's region at each voxel, −1 outside of it.
     names : tuple of str
         The tissue of each region.
+    whole : float, optional
+        Dice of the whole brain, its sulci filled; where the table has them filled, the
+        labels of brain alone agree less with the mesh.
     """
-    dice = {
-        tissue: _dice(labels.mask(ids), regions == names.index(tissue))
+    filled = ""
+    if whole is not None and table.closing_mm > 0:
+        filled = f" (of the whole brain, its sulci filled, {whole:.3f})"
+    dices = {
+        tissue: dice(labels.mask(ids), regions == names.index(tissue))
         for tissue, ids in table.labels.items()
     }
     lines = []
@@ -139,14 +147,10 @@ def label_lines(
             meaning = f" ({table.names[label]})" if label in table.names else ""
             lines.append(
                 f"label {label} → {tissue}{meaning}: {ml:.4g} ml; "
-                f"Dice of {tissue} with the mesh {dice[tissue]:.3f}"
+                f"Dice of {tissue} with the mesh {dices[tissue]:.3f}"
+                + (filled if tissue == "brain" else "")
             )
     return lines
-
-
-def _dice(one: BoolArray, other: BoolArray) -> float:
-    both = int((one & other).sum())
-    return 2.0 * both / max(int(one.sum()) + int(other.sum()), 1)
 
 
 def _listed(labels: list[int]) -> str:

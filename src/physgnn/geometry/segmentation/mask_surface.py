@@ -27,6 +27,7 @@ LevelSet = NDArray[np.float32]
 FINE_PER_EDGE = 3.0  # steps of the fine surface along an edge of the even one
 FINE_PER_POINT = 8  # its points for every even one, which the clustering needs
 VOLUME_TOLERANCE = 1e-4
+LEAST_LEVEL = 1e-2  # mm between the level and a voxel's centre
 
 
 def level_set(mask: BoolArray, grid: ImageGrid, smoothing_mm: float) -> LevelSet:
@@ -57,6 +58,38 @@ def level_set(mask: BoolArray, grid: ImageGrid, smoothing_mm: float) -> LevelSet
     return level
 
 
+def parts_of(
+    mask: BoolArray, grid: ImageGrid, smoothing_mm: float, smallest_mm3: float
+) -> list[BoolArray]:
+    """Return the parts of a piece that smoothing takes apart, else the piece itself.
+
+    Every voxel goes to the nearest part of at least the smallest volume.
+    """
+    pad = np.ceil(3.0 * smoothing_mm / grid.voxel_mm).astype(int) + 1
+    used = np.argwhere(mask)
+    low = np.maximum(used.min(axis=0) - pad, 0)
+    window = tuple(map(slice, low, used.max(axis=0) + pad + 1))
+    distance = level_set(mask[window], grid, smoothing_mm)
+    part, _ = ndimage.label(distance < 0)
+    size = np.bincount(part.ravel())[1:] * grid.voxel_volume_mm3
+    numbers = np.flatnonzero(size >= smallest_mm3) + 1
+    if len(numbers) < 2:
+        return [mask]
+    nearest = ndimage.distance_transform_edt(
+        ~np.isin(part, numbers),
+        grid.voxel_mm,
+        return_distances=False,
+        return_indices=True,
+    )
+    owner = part[tuple(nearest)]
+    found = []
+    for number in numbers[np.argsort(-size[numbers - 1], kind="stable")]:
+        whole = np.zeros_like(mask)
+        whole[window] = mask[window] & (owner == number)
+        found.append(whole)
+    return found
+
+
 def even_surface(distance: LevelSet, grid: ImageGrid, edge_mm: float) -> Surface:
     """Cover the zero level with even triangles that enclose the same volume.
 
@@ -79,12 +112,7 @@ def even_surface(distance: LevelSet, grid: ImageGrid, edge_mm: float) -> Surface
     InputError
         If nothing is left of the tissue.
     """
-    n_inside = int((distance < 0).sum())
-    if n_inside < 8:
-        raise InputError(
-            "nothing is left of a tissue after smoothing and keeping it apart from the "
-            "others: lower smoothing_mm, or leave its label out"
-        )
+    n_inside = _n_inside(distance)
     fine = _fine_surface(distance, grid, edge_mm)
     n_points = max(int(fine.area / (np.sqrt(0.75) * edge_mm**2)), 40)
     fixer = pymeshfix.MeshFix(*_faces(_even(fine, n_points)))
@@ -93,6 +121,34 @@ def even_surface(distance: LevelSet, grid: ImageGrid, edge_mm: float) -> Surface
     if volume(surface) < 0:
         surface = surface.flipped()
     return with_volume(surface, n_inside * grid.voxel_volume_mm3)
+
+
+def stepped_surface(distance: LevelSet, grid: ImageGrid) -> Surface:
+    """Cover the zero level with the triangles of marching cubes, as they are.
+
+    They are uneven and many, but cannot cross: each lies in a cube of voxels of its
+    own. It is what is left where even triangles do not do.
+
+    Raises
+    ------
+    InputError
+        If nothing is left of the tissue.
+    """
+    _n_inside(distance)
+    # a level through a voxel's very centre collapses faces
+    apart = np.where(np.abs(distance) < LEAST_LEVEL, LEAST_LEVEL, distance)
+    surface = Surface(*_faces(_fine_surface(apart, grid, 0.0)))
+    return surface if volume(surface) > 0 else surface.flipped()
+
+
+def _n_inside(distance: LevelSet) -> int:
+    n_inside = int((distance < 0).sum())
+    if n_inside < 8:
+        raise InputError(
+            "nothing is left of a tissue after smoothing and keeping it apart from the "
+            "others: lower smoothing_mm, or leave its label out"
+        )
+    return n_inside
 
 
 def with_volume(surface: Surface, target_mm3: float) -> Surface:

@@ -5,15 +5,23 @@ changed is said, in ml.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid, LabelVolume
 from physgnn.geometry.regions import REGIONS
-from physgnn.geometry.segmentation.label_tables import LabelTable
+from physgnn.geometry.segmentation.label_table import LabelTable
+from physgnn.geometry.segmentation.mask_surface import parts_of
+from physgnn.geometry.segmentation.naming import (
+    piece_names,
+    structure_names,
+    structures,
+)
 
 Mask = BoolArray
 
@@ -21,6 +29,8 @@ Mask = BoolArray
 SPECK = 0.05
 # More of a tissue than this fraction outside of the brain is no stray voxels.
 LARGEST_APART = 0.5
+MARGIN_MM = 10.0  # of background around the brain
+SMALLEST_MM3 = 200.0  # smaller pieces are mostly noise of the segmentation
 FACES = ndimage.generate_binary_structure(3, 1)
 
 
@@ -36,6 +46,13 @@ class TissueMasks:
         One piece without cavities; holds the tumours and ventricles.
     tumours, ventricles : tuple of boolean arrays
         One piece each.
+    names : tuple of str
+        What messages call the tumours, then the ventricles.
+    structure : integer array
+        Which ventricle a voxel belongs to: from 1 on in the order of
+        ``structure_names``, 0 for none that has a name.
+    structure_names : tuple of str
+        Such as "third ventricle"; a ventricle of one piece may hold several.
     notes : tuple of str
         What was repaired.
     """
@@ -44,6 +61,9 @@ class TissueMasks:
     brain: Mask
     tumours: tuple[Mask, ...]
     ventricles: tuple[Mask, ...]
+    names: tuple[str, ...]
+    structure: NDArray[np.int32]
+    structure_names: tuple[str, ...]
     notes: tuple[str, ...]
 
 
@@ -52,8 +72,8 @@ def tissue_masks(
     table: LabelTable,
     *,
     closing_mm: float | None = None,
-    smallest_mm3: float = 200.0,
-    margin_mm: float = 10.0,
+    smallest_mm3: float = SMALLEST_MM3,
+    smoothing_mm: float = 0.0,
 ) -> TissueMasks:
     """Separate the tissues of a label map.
 
@@ -67,8 +87,9 @@ def tissue_masks(
         Instead of the table's.
     smallest_mm3 : float
         Tumours and ventricles below this are taken for brain.
-    margin_mm : float
-        Background around the brain.
+    smoothing_mm : float
+        What smoothing over this length takes apart is cut there, at its thin places, so
+        that no large part is lost.
 
     Raises
     ------
@@ -84,22 +105,40 @@ def tissue_masks(
         )
     closing = table.closing_mm if closing_mm is None else closing_mm
     whole = np.logical_or.reduce(list(masks.values()))
-    window, grid = _window(whole, labels.grid, margin_mm + closing)
+    window, grid = _window(whole, labels.grid, MARGIN_MM + closing)
     notes: list[str] = []
     voxel = grid.voxel_volume_mm3
     brain = _closed(_cropped(whole, window), grid.voxel_mm, closing, voxel, notes)
     for name in REGIONS[1:]:
         if name in masks:
             _check_apart(_cropped(masks[name], window), brain, name, voxel, notes)
-    parts = {
-        name: _pieces(
-            _cropped(masks[name], window) & brain, name, smallest_mm3, voxel, notes
-        )
-        for name in REGIONS[1:]
-        if name in masks
-    }
+    parts: dict[str, tuple[Mask, ...]] = dict.fromkeys(REGIONS[1:], ())
+    names: list[str] = []
+    cropped = _cropped(labels.data, window)
+    for name in REGIONS[1:]:
+        if name in masks:
+            mask = _cropped(masks[name], window) & brain
+            pieces = _pieces(mask, name, smallest_mm3, voxel, notes)
+            parts[name] = tuple(
+                part
+                for piece in pieces
+                for part in parts_of(piece, grid, smoothing_mm, smallest_mm3)
+            )
+            if len(parts[name]) > len(pieces):
+                notes.append(
+                    f"{name}: {len(pieces)} pieces cut where they are thin, into "
+                    f"{len(parts[name])}"
+                )
+        names += piece_names(parts[name], cropped, table, name)
     return TissueMasks(
-        grid, brain, parts.get("tumour", ()), parts.get("ventricle", ()), tuple(notes)
+        grid,
+        brain,
+        parts["tumour"],
+        parts["ventricle"],
+        names=tuple(names),
+        structure=structures(cropped, table),
+        structure_names=structure_names(table),
+        notes=tuple(notes),
     )
 
 
@@ -119,8 +158,8 @@ def _window(mask: Mask, grid: ImageGrid, margin: float) -> tuple[Window, ImageGr
     return window, ImageGrid(shape, affine)  # type: ignore[arg-type]
 
 
-def _cropped(mask: Mask, window: Window) -> Mask:
-    """Return the part of a mask in a window, empty where the image ends."""
+def _cropped(mask: NDArray[Any], window: Window) -> NDArray[Any]:
+    """Return the part of an array in a window, 0 where the image ends."""
     kept = tuple(slice(max(low, 0), high) for low, high in window)
     missing = [
         (max(-low, 0), max(high - n, 0))

@@ -1,6 +1,7 @@
 """How well a surface fits the labels it came from, in two numbers."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 import pyvista as pv
@@ -23,24 +24,37 @@ class SurfaceFit:
         Mean distance between the two boundaries, either way.
     voxel_mm : float
         The largest voxel size, to compare it with.
+    dice : float
+        Of the voxels whose centres the surface encloses, with the mask.
+    structures : mapping of str to float
+        Dice of each structure that the mask is made of, where it is of several.
     """
 
     volume_mm3: float
     label_volume_mm3: float
     distance_mm: float
     voxel_mm: float
+    dice: float
+    structures: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def volume_error(self) -> float:
         """Relative difference of the volumes."""
         return self.volume_mm3 / self.label_volume_mm3 - 1.0
 
+    @property
+    def worst_dice(self) -> float:
+        """The smallest Dice, of the whole and of every structure."""
+        return min([self.dice, *self.structures.values()])
+
     def __str__(self) -> str:
+        each = ", ".join(f"{name} {d:.3f}" for name, d in self.structures.items())
         return (
             f"{self.volume_mm3 / 1000:.2f} ml, labels "
             f"{self.label_volume_mm3 / 1000:.2f} ml ({self.volume_error:+.2%}); "
             f"surfaces {self.distance_mm:.2f} mm apart "
-            f"on average (voxels up to {self.voxel_mm:.2g} mm)"
+            f"on average (voxels up to {self.voxel_mm:.2g} mm); "
+            f"Dice with the map {self.dice:.3f}" + (f" ({each})" if each else "")
         )
 
 
@@ -62,7 +76,30 @@ def surface_fit(surface: Surface, mask: BoolArray, grid: ImageGrid) -> SurfaceFi
         label_volume_mm3=int(mask.sum()) * grid.voxel_volume_mm3,
         distance_mm=float((there + back) / 2),
         voxel_mm=float(grid.voxel_mm.max()),
+        dice=dice(enclosed_voxels(surface, grid), mask),
     )
+
+
+def dice(one: BoolArray, other: BoolArray) -> float:
+    """Return 2 |A ∩ B| / (|A| + |B|) of two masks (Dice, Ecology 26, 1945)."""
+    both = int((one & other).sum())
+    return 2.0 * both / max(int(one.sum()) + int(other.sum()), 1)
+
+
+def enclosed_voxels(surface: Surface, grid: ImageGrid) -> BoolArray:
+    """Return which voxels of a grid have their centre inside a closed surface."""
+    index = grid.to_index(surface.points)
+    low = np.clip(np.floor(index.min(axis=0)).astype(int) - 1, 0, None)
+    high = np.minimum(np.ceil(index.max(axis=0)).astype(int) + 2, grid.shape)
+    inside = np.zeros(grid.shape, dtype=bool)
+    if (high - low < 2).any():
+        return inside
+    box = pv.ImageData(dimensions=tuple(high - low))
+    poly = pv.PolyData.from_regular_faces(index - low, surface.faces.astype(int))
+    found = poly.voxelize_binary_mask(reference_volume=box)
+    values = np.asarray(found["mask"]).reshape(tuple(high - low), order="F") > 0
+    inside[tuple(slice(a, b) for a, b in zip(low, high, strict=True))] = values
+    return inside
 
 
 def _boundary(mask: BoolArray) -> FloatArray:

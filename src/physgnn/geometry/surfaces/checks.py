@@ -52,15 +52,19 @@ def check_surface(surface: Surface, name: str) -> tuple[Surface, list[str]]:
     return surface, notes
 
 
-def check_nested(brain: Surface, tumours: Sequence[Surface]) -> None:
+def check_nested(
+    brain: Surface, tumours: Sequence[Surface], names: Sequence[str] = ()
+) -> None:
     """Check that tumours lie wholly inside the brain and apart from each other.
 
     Parameters
     ----------
     brain : Surface
-        Closed and outward; mm.
+        As `check_surface` returns it, mm.
     tumours : sequence of Surface
-        Each closed and outward; mm.
+        Each as `check_surface` returns it, mm.
+    names : sequence of str, optional
+        What messages call the surfaces inside the brain; by default tumours.
 
     Raises
     ------
@@ -69,7 +73,8 @@ def check_nested(brain: Surface, tumours: Sequence[Surface]) -> None:
         inside another.
     """
     single = len(tumours) == 1
-    names = ["tumour" if single else f"tumour {i + 1}" for i in range(len(tumours))]
+    if not names:
+        names = ["tumour" if single else f"tumour {i + 1}" for i in range(len(tumours))]
     for i, tumour in enumerate(tumours):
         _check_apart(brain, tumour, "the brain's surface", names[i])
         if not contains(brain, tumour.points[0]):

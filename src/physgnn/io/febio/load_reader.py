@@ -18,6 +18,7 @@ from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure
+from physgnn.mechanics.loads.springs import Springs
 
 FORCE = ("nodal_load", "nodal_load")
 GRAVITY = ("body_load", "body force")
@@ -228,5 +229,7 @@ def _scaled(load: Load, factor: float) -> Load:
             return Gravity(load.direction, load.density_kg_m3 * factor)
         case SurfacePressure():
             return SurfacePressure(load.faces, load.pressure_pa * factor)
+        case Springs():
+            return Springs(load.nodes, load.stiffness_n_per_mm * factor)
         case PrescribedDisplacement():
             return PrescribedDisplacement(load.nodes, load.displacement * factor)

@@ -24,6 +24,7 @@ from physgnn.mechanics.loads.gravity import STANDARD_GRAVITY, Gravity
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure
+from physgnn.mechanics.loads.springs import Springs
 
 GRAVITY_MM_S2 = 1e3 * STANDARD_GRAVITY
 KG_M3_TO_T_MM3 = -12  # powers of ten
@@ -32,12 +33,17 @@ Sections = Mapping[str, ET.Element]
 
 
 def check_writable(loads: Sequence[Load]) -> None:
-    """Raise InputError if FEBio has no such load: buoyancy by a level of fluid."""
+    """Raise InputError if FEBio has no such load: buoyancy by a level, springs."""
     for load in loads:
         if isinstance(load, Gravity) and load.fluid_level_mm is not None:
             raise InputError(
                 "FEBio has no load for gravity with a level of fluid: leave "
                 "fluid_level_mm out, or solve without FEBio"
+            )
+        if isinstance(load, Springs):
+            raise InputError(
+                "models for FEBio hold no elastic membranes: hold them or leave them "
+                "out, or solve without FEBio"
             )
 
 

@@ -36,7 +36,11 @@ WHAT = "measured points"
 
 
 def read_point_pairs(
-    path: str | Path, target: str | Path | None = None, *, log: Log = no_log
+    path: str | Path,
+    target: str | Path | None = None,
+    *,
+    kind: type[PointPairs] = PointPairs,
+    log: Log = no_log,
 ) -> PointPairs:
     """Read where points were and where they are now, RAS+ mm.
 
@@ -49,6 +53,8 @@ def read_point_pairs(
     target : path, optional
         The target points: paired by their labels where both lists have them, else in
         the same order.
+    kind : type
+        What they are: pairs of the surface, or landmarks.
     log : callable
         Called with which points were left out, and why.
 
@@ -71,10 +77,10 @@ def read_point_pairs(
                 f"needs two lists of points, source and target ({one}): give the file "
                 "of the targets too, as --target"
             )
-        source, moved, lines = paired(*lists)
+        source, moved, names, lines = paired(*lists)
         for line in lines:
             log(f"{path.name}: {line}")
-        return PointPairs(source, moved)
+        return kind(source, moved, tuple(names))
 
 
 def read_points(path: str | Path, *, log: Log = no_log) -> FloatArray:

@@ -36,7 +36,7 @@ class MarkedPoint:
 
 def paired(
     source: list[MarkedPoint], target: list[MarkedPoint]
-) -> tuple[FloatArray, FloatArray, list[str]]:
+) -> tuple[FloatArray, FloatArray, list[str], list[str]]:
     """Return the ends of all pairs whose two points may be used.
 
     Points are paired by label if each list has labels of its own for all points and
@@ -47,6 +47,8 @@ def paired(
     -------
     source, target : (n, 3) arrays
         mm.
+    names : list of str
+        The label of each pair, or its number in the list.
     lines : list of str
         What was left out and why.
 
@@ -56,7 +58,7 @@ def paired(
         If the lists are of different lengths without common labels, or share fewer
         than half of their labels.
     """
-    ends, lines = [], []
+    ends, names, lines = [], [], []
     for name, one, other in _matches(source, target):
         why = "without a partner"
         if one is not None and other is not None:
@@ -65,8 +67,9 @@ def paired(
             lines.append(f"pair '{name}' left out: {why}")
         else:
             ends.append((one.position, other.position))
+            names.append(name)
     both = np.array(ends, dtype=np.float64).reshape(-1, 2, 3)
-    return both[:, 0], both[:, 1], lines
+    return both[:, 0], both[:, 1], names, lines
 
 
 Match = tuple[str, MarkedPoint | None, MarkedPoint | None]

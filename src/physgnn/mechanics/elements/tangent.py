@@ -61,6 +61,13 @@ class Pattern:
         """Return the free components (…, n_unknowns) of fields (…, n_points, 3)."""
         return fields[..., self.free, :].reshape(*fields.shape[:-2], self.n_unknowns)
 
+    def add_to_diagonal(self, values: FloatArray, per_point: FloatArray) -> None:
+        """Add a stiffness of every point, (n_points,), to a tangent's values in place.
+
+        The diagonal comes first in every row of the upper triangle.
+        """
+        values[self.indptr[:-1]] += np.repeat(per_point[self.free], 3)
+
     def on_points(self, unknowns: FloatArray) -> FloatArray:
         """Return fields (…, n_points, 3) of unknowns (…, n_unknowns); zero if held."""
         fields = np.zeros((*unknowns.shape[:-1], len(self.row), 3))

@@ -70,7 +70,7 @@ class Newton:
         u = np.array(start, dtype=np.float64)
         loading.place(u, load_factor)
         for _ in range(MAX_ITERATIONS):
-            step = self._step(u, loading.force(u, load_factor))
+            step = self._step(u, loading, load_factor)
             if step is None:
                 return None
             scale = self._longest(u, step)
@@ -101,14 +101,17 @@ class Newton:
         self._linear = make_linear_solver(self._pattern)
         self._held = held
 
-    def _step(self, u: FloatArray, load: FloatArray) -> FloatArray | None:
+    def _step(
+        self, u: FloatArray, loading: Loading, load_factor: float
+    ) -> FloatArray | None:
         """Return Newton's step; None if a cell is inverted or K(u) is singular."""
         data, inverted = assemble_tangent(self._elements, self._pattern, u)
+        self._pattern.add_to_diagonal(data, loading.stiffness)
         if inverted >= 0 or not self._linear.factorize(data):
             return None
         self.factorisations += 1
         force, _ = internal_force(self._elements, u)
-        right = self._pattern.unknowns(load - force)
+        right = self._pattern.unknowns(loading.force(u, load_factor) - force)
         return self._pattern.on_points(self._linear.solve(right))
 
     def _longest(self, u: FloatArray, step: FloatArray) -> float:

@@ -117,6 +117,7 @@ class QuasiNewton:
             return False
         self.counts["factorisations"] += 1
         self._pairs.clear()
+        self.pattern.add_to_diagonal(data, self.loading.stiffness)
         return self.solver.factorize(data)
 
     def direction(self, residual: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads.paths import LoadPath, check_nodes
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
+from physgnn.mechanics.loads.springs import Springs
 
 
 class Loading:
@@ -25,6 +26,8 @@ class Loading:
     ----------
     held : integer array
         Points with prescribed displacement.
+    stiffness : (n_points,) array
+        Of springs to rest, N/mm: what they add to the tangent's diagonal.
 
     Raises
     ------
@@ -46,6 +49,10 @@ class Loading:
         check_nodes(path.nodes, mesh, np.union1d(fixed, self.held))
         self._dead = np.zeros((mesh.n_points, 3))
         self._dead[path.nodes] = path.forces
+        self.stiffness = np.zeros(mesh.n_points)
+        for load in path.more:
+            if isinstance(load, Springs):
+                self.stiffness[load.nodes] += load.stiffness_n_per_mm
         self._more: list[Callable[[FloatArray, float], FloatArray]] = [
             load.bind(mesh)
             for load in path.more

@@ -12,8 +12,9 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure
+from physgnn.mechanics.loads.springs import Springs
 
-Load: TypeAlias = SurfacePressure | Gravity | PrescribedDisplacement
+Load: TypeAlias = SurfacePressure | Gravity | PrescribedDisplacement | Springs
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,10 @@ from physgnn.geometry import (
     Surface,
     TetMesh,
 )
+from physgnn.geometry.meshing import tetgen_process
+from physgnn.geometry.meshing.tetrahedra import TETGEN, TETWILD
 from physgnn.geometry.plausibility import check_millimetres, check_volume_ml
+from physgnn.geometry.segmentation.masks import SMALLEST_MM3
 from physgnn.geometry.surface import volume
 from physgnn.progress import Log, no_log
 
@@ -24,12 +27,15 @@ def mesh(
     brain_mask: str | Path | None = None,
     smoothing_mm: float | None = None,
     closing_mm: float | None = None,
+    smallest_mm3: float = SMALLEST_MM3,
     brain: str | Path | None = None,
     tumour: Sequence[str | Path] = (),
     mni152: bool = False,
     sets: str | Path | None = None,
     max_volume_mm3: float | None = None,
     target_points: int | None = None,
+    keep_surface: bool = False,
+    mesher: str | None = None,
     quality_floor: float | None = None,
     ignore_labels: bool = False,
     any_size: bool = False,
@@ -48,7 +54,7 @@ def mesh(
     segmentation : path, optional
         Label map, see `physgnn.io.medical.images.formats`, or a mesh of tetrahedra, see
         `physgnn.stages.patient.mesh_files`; or else `brain`, or `mni152`.
-    labels, brain_mask, smoothing_mm, closing_mm
+    labels, brain_mask, smoothing_mm, closing_mm, smallest_mm3
         How the label map is read: see
         `physgnn.stages.patient.segmentation.mesh_segmentation`.
     brain : path, optional
@@ -62,7 +68,13 @@ def mesh(
     max_volume_mm3 : float, optional
         Largest cell; by default the published rule.
     target_points : int, optional
-        About how many points the mesh shall have.
+        About how many points the mesh shall have; surfaces that are too fine for it
+        are remeshed.
+    keep_surface : bool
+        Keep the surfaces' points, as published.
+    mesher : str, optional
+        ``"tetwild"``, by default where surfaces may be moved by 0.1 mm (label maps,
+        `target_points`), or ``"tetgen"``, by default where they are kept.
     quality_floor : float, optional
         Smallest mean ratio a cell may have; see `physgnn.geometry.check_quality`.
     ignore_labels : bool
@@ -97,17 +109,19 @@ def mesh(
     check_folder(Path(out))
     if [mni152, brain is not None, segmentation is not None].count(True) != 1:
         raise InputError("give a label map, --brain, or --mni152 for the bundled case")
+    kept = keep_surface or (segmentation is None and target_points is None)
     shared: dict[str, Any] = {
         "rules": {} if sets is None else read_point_sets(sets),
         "quality_floor": quality_floor,
         "log": log,
     }
+    by = _mesher(mesher, kept=kept)
     if segmentation is not None and is_mesh_file(segmentation):
-        kept = (target_points, max_volume_mm3, brain_mask, smoothing_mm, closing_mm)
-        if any(option is not None for option in kept):
+        sizes = (target_points, max_volume_mm3, brain_mask, smoothing_mm, closing_mm)
+        if any(option is not None for option in (*sizes, mesher)):
             raise InputError(
                 "a mesh keeps its cells: leave out --target-points, --max-volume-mm3, "
-                "--brain-mask, --smoothing-mm and --closing-mm"
+                "--brain-mask, --smoothing-mm, --closing-mm and --mesher"
             )
         made = mesh_of_file(
             segmentation,
@@ -126,10 +140,12 @@ def mesh(
             ),
             smoothing_mm=smoothing_mm,
             closing_mm=closing_mm,
+            smallest_mm3=smallest_mm3,
             ignore_labels=ignore_labels,
             any_size=any_size,
             affine=affine,
             series=series,
+            mesher=by,
             **shared,
         )
     else:
@@ -141,10 +157,18 @@ def mesh(
         size: dict[str, Any] = {
             "max_volume_mm3": max_volume_mm3,
             "target_points": target_points,
+            "keep_surface": keep_surface,
         }
-        made = mesh_surfaces(surface, inner, **size, **shared)
+        made = mesh_surfaces(surface, inner, **size, mesher=by, **shared)
     write_mesh(out, made)
     return made
+
+
+def _mesher(named: str | None, *, kept: bool) -> str:
+    """Return the mesher that was named, else the better of those that are there."""
+    if named is not None:
+        return named
+    return TETGEN if kept and tetgen_process.available() else TETWILD
 
 
 def named_surfaces(

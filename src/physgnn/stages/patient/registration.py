@@ -1,22 +1,20 @@
-"""From what is measured of a surface to the displacement of a whole brain."""
+"""From what was measured in the operating theatre to the displacement of a brain."""
 
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from physgnn.config import read_materials
-from physgnn.errors import InputError
-from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.regions import REGIONS
 from physgnn.io import read_mesh
 from physgnn.io.displacement_files import DisplacementFields, form_of
+from physgnn.io.integrity.atomic import check_folder
 from physgnn.io.medical.images.formats import read_image
-from physgnn.io.medical.markups import read_point_pairs
-from physgnn.io.medical.measured_surface import read_surface_points
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
 from physgnn.progress import Log, no_log
+from physgnn.stages.patient.measured_files import read_measured
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.registration.registrar import Registration
@@ -32,18 +30,29 @@ def register(
     *,
     points: str | Path | None = None,
     target: str | Path | None = None,
+    landmarks: str | Path | None = None,
+    landmarks_target: str | Path | None = None,
     surface: str | Path | None = None,
+    whole_surface: str | Path | None = None,
+    initial_transform: str | Path | None = None,
+    transformed: str = "both",
     noise_mm: float = 1.0,
+    landmark_noise_mm: float | None = None,
+    surface_noise_mm: float | None = None,
+    whole_surface_noise_mm: float | None = None,
+    rigid_offset: bool = False,
     skull: str = "fixed",
     materials: str | Path | None = None,
     form: str | None = None,
     image: str | Path | None = None,
     affine: str | None = None,
+    misfits: str | Path | None = None,
     log: Log = no_log,
 ) -> "Registration":
-    """Find the displacement of a whole brain from what was measured of its surface.
+    """Find the displacement of a whole brain from what was measured of it.
 
     It is written whatever its status is, with the status and the reasons for it inside.
+    Everything that is given counts, each with its own noise.
 
     Parameters
     ----------
@@ -52,12 +61,28 @@ def register(
     out : path
         Where the displacement goes; `physgnn warp` takes a VTU.
     points, target : path
-        Points before and after: see `physgnn.io.medical.markups.read_point_pairs`.
+        Points of the surface before and after: see
+        `physgnn.io.medical.markups.read_point_pairs`.
+    landmarks, landmarks_target : path
+        The same of points inside the brain, such as those seen by ultrasound.
     surface : path
-        Instead of these, where the exposed surface lies now: see
+        Where the exposed surface lies now: see
         `physgnn.io.medical.measured_surface.read_surface_points`.
+    whole_surface : path
+        The whole surface of the brain now, as a mesh.
+    initial_transform : path
+        From the space of what was measured to that of the scan: see
+        `physgnn.io.medical.linear_transforms.read_rigid_transform`.
+    transformed : str
+        "both" ends of pairs are measured in that space, or those "after" alone, those
+        before being of the scan (a row of
+        `physgnn.stages.patient.measured_files.TRANSFORMED`).
     noise_mm : float
-        Standard deviation of each coordinate measured.
+        Standard deviation of each coordinate measured, mm.
+    landmark_noise_mm, surface_noise_mm, whole_surface_noise_mm : float, optional
+        Of these kinds; by default `noise_mm`.
+    rigid_offset : bool
+        Correct a rigid offset of the navigation.
     skull : str
         How the skull holds the brain: see `physgnn.registration.registrar.Registrar`.
     materials : path, optional
@@ -65,9 +90,11 @@ def register(
         published work. Only ratios of stiffness matter.
     form, image, affine
         See `physgnn.stages.predict`.
+    misfits : path, optional
+        Where a CSV goes of how far each measured place is off, and its weight.
     log : callable
-        Called with which measured points were left out, and why, and with what the
-        image's header leaves open.
+        Called with which measured points were left out, and why, with the outliers, and
+        with what the image's header leaves open.
 
     Returns
     -------
@@ -77,22 +104,37 @@ def register(
     Raises
     ------
     InputError
-        If a file cannot be used, or the points are far from the surface.
+        If a file cannot be used, or what was measured is far from the brain.
     """
+    from physgnn.registration.misfits import write_misfits
     from physgnn.registration.registrar import Registrar
 
     write = form_of(out, form).write
+    if misfits is not None:
+        check_folder(Path(misfits))
     grid = None if image is None else read_image(image, affine=affine, log=log).grid
-    if points is not None and surface is None:
-        measured: PointPairs | SurfacePoints = read_point_pairs(points, target, log=log)
-    elif surface is not None and points is None and target is None:
-        measured = read_surface_points(surface, log=log)
-    else:
-        raise InputError("give --points (and --target), or --surface")
+    measured = read_measured(
+        points=(points, target),
+        landmarks=(landmarks, landmarks_target),
+        surface=surface,
+        whole_surface=whole_surface,
+        initial_transform=initial_transform,
+        transformed_ends=transformed,
+        log=log,
+    )
     case = read_mesh(mesh)
     given = {} if materials is None else read_materials(materials)
     registrar = Registrar(Body(case, {**DEFAULT_MATERIALS, **given}), skull=skull)
-    found = registrar(measured, noise_mm=noise_mm)
+    noises = {
+        "pairs": None,
+        "landmarks": landmark_noise_mm,
+        "surface": surface_noise_mm,
+        "whole surface": whole_surface_noise_mm,
+    }
+    noise = {kind: noise_mm if of is None else of for kind, of in noises.items()}
+    found = registrar(measured, noise_mm=noise, rigid_offset=rigid_offset)
+    for one in found.outliers:
+        log(f"outlier, {one}, weight {one.weight:.2f}")
     fields = {
         "displacement_mm": found.prediction.displacement,
         "deviation_mm": found.deviation_mm,
@@ -100,4 +142,6 @@ def register(
     }
     said = str(found.prediction.status), found.prediction.reasons
     write(Path(out), DisplacementFields(case, fields, grid, *said))
+    if misfits is not None:
+        write_misfits(misfits, found.misfits)
     return found

@@ -26,6 +26,7 @@ from physgnn.geometry.segmentation.label_tables import (
     label_table,
     resolved,
 )
+from physgnn.geometry.segmentation.membranes import membrane_sets
 from physgnn.geometry.segmentation.tissue_names import DEFAULT, tissues_by_name
 from physgnn.geometry.segmentation.ventricles import with_ventricles
 from physgnn.geometry.tetmesh import TetMesh
@@ -88,8 +89,8 @@ def mesh_segmentation(
         ``affine``: "sform" or "qform", where the two disagree. ``series``: UID of a
         DICOM series. ``ignore_labels=True``:
         labels that are not named may be left out. ``any_size=True``: the brain may have
-        less than 50 or more than 2500 ml. ``smoothing_mm`` and ``closing_mm`` of
-        `extract_surfaces`; ``rules`` and ``quality_floor`` of
+        less than 50 or more than 2500 ml. ``smoothing_mm``, ``closing_mm`` and
+        ``smallest_mm3`` of `extract_surfaces`; ``rules`` and ``quality_floor`` of
         `physgnn.stages.patient.surface_meshing.mesh_surfaces`.
 
     Returns
@@ -106,7 +107,7 @@ def mesh_segmentation(
     read = LabelOptions(**_taken(options, LabelOptions.__dataclass_fields__))
     with reading(path, "a label map"):
         volume, table = _label_map(path, labels, read, log)
-    smoothing = _taken(options, ("smoothing_mm", "closing_mm"))
+    smoothing = _taken(options, ("smoothing_mm", "closing_mm", "smallest_mm3"))
     found = extract_surfaces(volume, table, target_points=target_points, **smoothing)
     for line in (*found.notes, *(f"{name}: {fit}" for name, fit in found.fits.items())):
         log(line)
@@ -119,8 +120,13 @@ def mesh_segmentation(
         **options,
     )
     mesh = with_ventricles(mesh, found.ventricles)
+    sheets = membrane_sets(mesh, volume, table)
+    for name, points in sheets.items():
+        log(f"point set '{name}': {len(points)} points")
+    mesh = mesh.with_point_sets(**{**sheets, **mesh.point_sets})
     at_rest = deformed_labels(mesh, np.zeros_like(mesh.points), volume.grid)
-    for line in label_lines(volume, table, at_rest.data - 1, REGIONS):
+    whole = found.fits["brain"].dice
+    for line in label_lines(volume, table, at_rest.data - 1, REGIONS, whole=whole):
         log(line)
     return mesh
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physgnn.registration.gaussian import choose_variances, condition
+from physgnn.registration.inference.gaussian import choose_variances, condition
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -1,0 +1,155 @@
+"""The command that begins with what was measured in the operating theatre."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from physgnn import choices, stages
+from physgnn.cli.console import conclude, say, working
+from physgnn.cli.options import AffineOption, Displacement, Form, Grid, Materials
+
+if TYPE_CHECKING:  # torch takes seconds to import
+    from physgnn.registration.registrar import Registration
+
+Noise = Annotated[
+    float | None, typer.Option(help="Of these; by default that of --noise-mm.")
+]
+
+
+def register(
+    mesh: Annotated[
+        Path, typer.Argument(help="The mesh, with its point set 'fixed', VTU.")
+    ],
+    out: Displacement,
+    points: Annotated[
+        Path | None,
+        typer.Option(
+            help="Pairs of points of the surface before and after: CSV, .tag, .fcsv "
+            "or .mrk.json."
+        ),
+    ] = None,
+    target: Annotated[
+        Path | None,
+        typer.Option(
+            help="The points after the shift, where they are markups of their own."
+        ),
+    ] = None,
+    landmarks: Annotated[
+        Path | None,
+        typer.Option(help="Pairs of points inside the brain, in the same formats."),
+    ] = None,
+    landmarks_target: Annotated[
+        Path | None,
+        typer.Option(
+            help="The landmarks after the shift, where they are markups of their own."
+        ),
+    ] = None,
+    surface: Annotated[
+        Path | None,
+        typer.Option(
+            help="The exposed surface after the shift: a mesh (STL, PLY, OBJ, VTP, "
+            "VTK, OFF …) or points (CSV, .tag, .fcsv, .mrk.json)."
+        ),
+    ] = None,
+    whole_surface: Annotated[
+        Path | None,
+        typer.Option(help="The whole surface of the brain after the shift, a mesh."),
+    ] = None,
+    initial_transform: Annotated[
+        Path | None,
+        typer.Option(
+            help="From the space of the measurement to the scan's: 4 x 4 as text "
+            "(RAS), or .tfm or .h5 as 3D Slicer saves it."
+        ),
+    ] = None,
+    transformed: Annotated[
+        choices.Transformed,
+        typer.Option(
+            help="Transform both ends of pairs, or those after the shift alone."
+        ),
+    ] = "both",
+    noise_mm: Annotated[
+        float,
+        typer.Option(
+            help="Trust every measured coordinate to this standard deviation."
+        ),
+    ] = 1.0,
+    landmark_noise_mm: Noise = None,
+    surface_noise_mm: Noise = None,
+    whole_surface_noise_mm: Noise = None,
+    rigid_offset: Annotated[
+        bool,
+        typer.Option(
+            "--rigid-offset", help="Correct a rigid offset of the navigation."
+        ),
+    ] = False,
+    skull: Annotated[
+        choices.Skull,
+        typer.Option(
+            help="Hold the fixed points fast, or let them slide along the skull."
+        ),
+    ] = "fixed",
+    materials: Materials = None,
+    form: Form = None,
+    image: Grid = None,
+    affine: AffineOption = None,
+    misfits: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write how far each measured place is off, and its weight, to this "
+            "CSV file."
+        ),
+    ] = None,
+) -> None:
+    """Find the whole displacement from everything that was measured.
+
+    The exit code is 3 if the displacement that is written is not ok.
+    """
+    with working("registering"):
+        found = stages.register(
+            mesh,
+            out,
+            points=points,
+            target=target,
+            landmarks=landmarks,
+            landmarks_target=landmarks_target,
+            surface=surface,
+            whole_surface=whole_surface,
+            initial_transform=initial_transform,
+            transformed=transformed,
+            noise_mm=noise_mm,
+            landmark_noise_mm=landmark_noise_mm,
+            surface_noise_mm=surface_noise_mm,
+            whole_surface_noise_mm=whole_surface_noise_mm,
+            rigid_offset=rigid_offset,
+            skull=skull,
+            materials=materials,
+            form=form,
+            image=image,
+            affine=affine,
+            misfits=misfits,
+            log=say,
+        )
+    print(f"{out}: {_summary(found)}")
+    conclude(found.prediction.status, found.prediction.reasons)
+
+
+def _summary(found: "Registration") -> str:
+    """Return what a registration found, in one line."""
+    status, bound = found.prediction.status, found.prediction.error_estimate_mm
+    offset, outliers = found.offset, len(found.outliers)
+    done = "corrected" if offset.corrected else "not corrected"
+    error = (
+        ""
+        if bound is None
+        else f"error {bound.mean_mm:.2f} mm on average, {bound.max_mm:.2f} mm at most "
+        f"({bound.coverage:.0%} of cases), "
+    )
+    left = f", {outliers} of {len(found.misfits)} outliers" if outliers else ""
+    return (
+        f"{error}misfit {found.misfit_mm:.2f} mm, of points held out "
+        f"{found.held_out_mm:.2f} mm{left}; rigid offset {offset.length_mm:.1f} mm, "
+        f"{offset.turn_deg:.1f} degrees, {done}; {found.prediction.seconds:.1f} s; "
+        f"{status}: {status.remedy}"
+    )

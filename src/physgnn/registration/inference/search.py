@@ -1,0 +1,151 @@
+"""The descent from the rest state to the most probable displacement.
+
+About u, equilibrium is u + K(u)⁻¹ (B w − f_int(u)), linear in w, so that the best w is
+that of a Gaussian regression, and the new u follows (Gauss–Newton on both together).
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from physgnn.arrays import FloatArray
+from physgnn.registration.inference.heavy_tails import reweighted, robust_start
+from physgnn.registration.inference.rigid_offset import (
+    PRIOR,
+    RigidOffset,
+    offset_between,
+    offset_of,
+)
+from physgnn.registration.inference.rows import (
+    MeasuredRows,
+    Modes,
+    rigid_columns,
+    rows_of,
+)
+from physgnn.registration.load_families import LoadModes
+from physgnn.registration.measurements.observation import Measurement
+from physgnn.registration.tangent_response import Fields
+
+MAX_STEPS = 20
+LONGEST_STEP_MM = 5.0  # longer ones leave the range where linear elasticity holds
+MAX_HALVINGS = 6
+STEP_TOLERANCE_MM = 0.01  # far below what a tracked pointer measures
+# After so many steps a measured surface keeps its matching: points that change from
+# face to face would never come to rest. A number, not a length: where a length
+# decides, a change of 1e-6 mm in what was measured can be a change of a step.
+MATCHED_STEPS = 8
+WEIGHTINGS = 3  # a step
+
+Tangent = Callable[[FloatArray, Fields], tuple[Fields, FloatArray] | None]
+
+
+class Search:
+    """One descent.
+
+    Parameters
+    ----------
+    tangent : callable
+        Responses to loads and the step backward, about any displacement.
+    modes : LoadModes
+        What may push the body.
+    measured : sequence of Measurement
+        Everything measured.
+    noises : sequence of float
+        Of each, mm.
+    with_offset : bool
+        Look for a rigid offset of the navigation, too.
+    """
+
+    def __init__(
+        self,
+        tangent: Tangent,
+        modes: LoadModes,
+        measured: Sequence[Measurement],
+        noises: Sequence[float],
+        *,
+        with_offset: bool = False,
+    ) -> None:
+        self._tangent, self._modes = tangent, modes
+        self._measured, self._noises = measured, noises
+        self._with_offset = with_offset
+        self.u = np.zeros(modes.forces.shape[1:])
+        self.response: Fields = modes.response
+        self._backward = np.zeros_like(self.u)
+        self._seen = [one.observe(self.u) for one in measured]
+        known = PRIOR if with_offset else np.empty(0)
+        self._about = Modes(modes.family, known, min(noises))
+        self._prior, self.fit = robust_start(self.rows(), self._about)
+
+    @property
+    def w(self) -> FloatArray:
+        """The coefficients that go with `u` when the search has ended."""
+        return self.fit.posterior.mean[: len(self._modes.family)]
+
+    def rows(self) -> MeasuredRows:
+        """Return everything measured, linearised about `u`."""
+        rows = rows_of(self._seen, self._noises, self.response, self._backward)
+        if not self._with_offset:
+            return rows
+        return rows.with_columns(rigid_columns(self._seen, self._measured)[0])
+
+    def linear_step(self) -> bool:
+        """Take the displacement of linear elasticity."""
+        self.u = self._step()
+        return True
+
+    def descend(self) -> bool:
+        """Step until steps are short; False if that was not reached."""
+        for count in range(MAX_STEPS):
+            step = self._step()
+            length = float(np.linalg.norm(step, axis=1).max())
+            step = step * min(1.0, LONGEST_STEP_MM / max(length, 1e-12))
+            if not self._advance(step, matches=count < MATCHED_STEPS):
+                return False
+            if length < STEP_TOLERANCE_MM:
+                return True
+        return False
+
+    def offset(self) -> RigidOffset:
+        """Return the rigid offset that the data speak for, about the last state."""
+        columns, centre = rigid_columns(self._seen, self._measured)
+        rows = rows_of(self._seen, self._noises, self.response, self._backward)
+        rows = rows.with_columns(columns)
+        modes = Modes(self._about.family, PRIOR, self._about.least_mm)
+        ratio, without, offset = offset_between(rows, modes, self.fit.weights)
+        n = len(modes.family)
+        change = offset.posterior.mean[:n] - without.posterior.mean
+        lengths = np.linalg.norm(combined(self.response, change), axis=1)
+        return offset_of(
+            self.fit.posterior if self._with_offset else offset.posterior,
+            centre,
+            log_ratio=ratio,
+            change_mm=float(lengths.max()),
+            corrected=self._with_offset,
+        )
+
+    def _step(self) -> FloatArray:
+        return self._backward + combined(self.response, self.w)
+
+    def _advance(self, step: FloatArray, *, matches: bool) -> bool:
+        """Go along a step, a half, a quarter … of it, to where the body is stable."""
+        for halvings in range(MAX_HALVINGS):
+            u = self.u + step / 2**halvings
+            found = self._tangent(u, self._modes.forces)
+            if found is None:
+                continue
+            self._seen = (
+                [one.observe(u) for one in self._measured]
+                if matches
+                else [one.after(u - self.u) for one in self._seen]
+            )
+            self.u, (self.response, self._backward) = u, found
+            self.fit = reweighted(
+                self.rows(), self._prior, self.fit.weights, WEIGHTINGS
+            )
+            return True
+        return False
+
+
+def combined(fields: Fields, w: FloatArray) -> FloatArray:
+    """Return the sum of fields, each times its coefficient."""
+    return np.tensordot(w, fields, 1).astype(np.float64)

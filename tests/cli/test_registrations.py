@@ -1,0 +1,124 @@
+"""Everything that the operating theatre gives, through the command line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyvista as pv
+import SimpleITK as sitk
+from block_shifts import leaning
+from scipy.spatial.transform import Rotation
+
+from meshes import block_mesh
+from physgnn.cli import main
+from physgnn.geometry import boundary_surface
+from physgnn.io import read_mesh, write_mesh
+
+LPS = np.diag([-1.0, -1.0, 1.0])
+TURN = Rotation.from_rotvec([0.2, 0.1, -0.3]).as_matrix()
+SHIFT = np.array([30.0, -12.0, 7.0])
+
+
+def run(*words: object) -> int:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["physgnn", *map(str, words)])
+        try:
+            main()
+        except SystemExit as end:
+            return int(end.code or 0)
+    return 0
+
+
+def to_tracker(points: np.ndarray) -> np.ndarray:
+    return (points - SHIFT) @ TURN
+
+
+@pytest.fixture
+def theatre(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A mesh, and pairs, landmarks and surfaces in files, in a tracker's space."""
+    monkeypatch.chdir(tmp_path)
+    body = block_mesh(5, side=80.0)
+    write_mesh("case.vtu", body)
+    u = leaning(body, 8.0)
+    x, y, z = body.points.T
+    inside = (z > 20) & (z < 80) & (x > 0) & (x < 80) & (y > 0) & (y < 80)
+    chosen = {"top": body.point_set("loaded"), "deep": np.flatnonzero(inside)[::4]}
+    noise = 0.3 * np.random.default_rng(0).normal(size=(2, 200, 3))
+    for (name, which), error in zip(chosen.items(), noise, strict=True):
+        points = body.points[which]
+        after = points + u[which] + error[: len(points)]
+        if name == "top":
+            after[[7, 28]] = after[[28, 7]]
+        both = np.hstack([to_tracker(points), to_tracker(after)])
+        np.savetxt(f"{name}.csv", both, delimiter=",")
+        half = np.hstack([points, to_tracker(after)])
+        np.savetxt(f"{name}-half.csv", half, delimiter=",")
+    cloud = (body.points + u)[chosen["top"]]
+    np.savetxt("cloud.csv", to_tracker(cloud), delimiter=",")
+    outer = boundary_surface(body)
+    moved = to_tracker(outer.points + u)
+    pv.PolyData.from_regular_faces(moved, outer.faces.astype(int)).save("whole.ply")
+    transform = sitk.AffineTransform(3)  # from the scan to the tracker, LPS
+    transform.SetMatrix((LPS @ TURN.T @ LPS).ravel().tolist())
+    transform.SetTranslation((-LPS @ TURN.T @ SHIFT).tolist())
+    sitk.WriteTransform(transform, "to-scan.h5")
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = TURN, SHIFT
+    np.savetxt("to-scan.txt", matrix)
+    return tmp_path
+
+
+def error_of(theatre: Path, name: str) -> float:
+    """Mean error over mean shift."""
+    found = np.asarray(pv.read(theatre / name)["displacement_mm"])
+    truth = leaning(read_mesh("case.vtu"), 8.0)
+    size = np.linalg.norm(truth, axis=1).mean()
+    return float(np.linalg.norm(found - truth, axis=1).mean() / size)
+
+
+def test_all_kinds_count_in_one_call_and_bad_pairs_are_named(
+    theatre: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = ("--points", "top.csv", "--landmarks", "deep.csv", "--surface", "cloud.csv")
+    how = ("--noise-mm", 0.5, "--surface-noise-mm", 1.0, "--misfits", "misfits.csv")
+    space = ("--initial-transform", "to-scan.h5")
+    assert run("register", "case.vtu", *given, *how, *space, "-o", "out.vtu") in (0, 3)
+    said = capsys.readouterr()
+    assert "2 of" in said.out and "rigid offset" in said.out
+    assert "outlier, pairs '8':" in said.err and "outlier, pairs '29':" in said.err
+    assert error_of(theatre, "out.vtu") < 0.2
+    text = (theatre / "misfits.csv").read_text().splitlines()
+    assert text[0] == "kind,label,x_mm,y_mm,z_mm,distance_mm,weight"
+    kinds = {line.split(",")[0] for line in text[1:]}
+    assert kinds == {"pairs", "landmarks", "surface"}
+
+
+def test_every_way_to_the_scan_is_the_same(theatre: Path) -> None:
+    ways = {
+        "h5.vtu": ("deep.csv", "to-scan.h5", "both"),
+        "txt.vtu": ("deep.csv", "to-scan.txt", "both"),
+        "half.vtu": ("deep-half.csv", "to-scan.txt", "after"),
+    }
+    for out, (landmarks, transform, ends) in ways.items():
+        given = ("--landmarks", landmarks, "--initial-transform", transform)
+        how = ("--transformed", ends, "--noise-mm", 0.5)
+        run("register", "case.vtu", *given, *how, "-o", out)
+    found = [pv.read(theatre / name)["displacement_mm"] for name in ways]
+    np.testing.assert_allclose(found[1], found[0], atol=1e-4)
+    np.testing.assert_allclose(found[2], found[0], atol=1e-4)
+
+
+def test_a_whole_surface_alone_is_enough(theatre: Path) -> None:
+    given = ("--whole-surface", "whole.ply", "--initial-transform", "to-scan.txt")
+    run("register", "case.vtu", *given, "--rigid-offset", "-o", "out.vtu")
+    assert error_of(theatre, "out.vtu") < 0.6
+
+
+def test_landmarks_in_another_space_are_refused_in_a_line(
+    theatre: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    del theatre
+    assert run("register", "case.vtu", "--landmarks", "deep.csv", "-o", "o.vtu") == 2
+    said = capsys.readouterr().err
+    assert "landmarks must lie inside the brain (outside of it: '" in said
+    assert "--initial-transform" in said and "Traceback" not in said
