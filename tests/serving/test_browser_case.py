@@ -102,7 +102,7 @@ def test_a_dropped_file_is_registered_shown_and_saved(
     assert saw["chip"].startswith(expected.split(" ")[0])
     assert saw["reasons"] == header["reasons"]
     assert saw["legend"] == "Standard deviation, mm"
-    assert len(saw["misfits"]) == len(header["misfits"])
+    assert len(saw["misfits"]) == len(header["misfits"]) > 0
     assert "registered.vtu" in saw["saved"]
     _, u = read_displacement(folder / "kept" / "registered.vtu")
     shown = np.reshape(saw["displaced"], (-1, 3))

@@ -120,6 +120,10 @@ def test_a_dropped_file_is_registered_as_the_command_does(
     )
     np.testing.assert_allclose(arrays["field"], found.deviation_mm[at], rtol=1e-5)
     assert len(arrays["section_field"]) == len(section["points"])
+    assert sorted(one["mm"] for one in header["misfits"]) == pytest.approx(
+        sorted(one.distance_mm for one in found.misfits), abs=1e-5
+    )
+    assert len(arrays["measured"]) == len(found.misfits) == content.count(b"\n") + 1
     assert header["usable"] == found.prediction.status.usable
     assert header["reasons"] == list(found.prediction.reasons)
 

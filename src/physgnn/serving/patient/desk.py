@@ -72,7 +72,7 @@ class RegisteredShift:
     misfit_mm, held_out_mm : float
         Root mean squares over what was measured, and over what was left out.
     misfits : tuple of PointMisfit
-        One a measured place; none where the registrar does not tell.
+        One a measured place.
     file : Path
         What ``physgnn register`` wrote.
     notes : tuple of str

@@ -7,7 +7,6 @@ page is what the command line writes.
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
-from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,10 +40,7 @@ ROLES: Mapping[str, tuple[str, str]] = {
     "landmarks after": ("landmarks_target", "landmarks after"),
     "whole surface": ("whole_surface", "whole surface"),
 }
-"""What a measured file may be → the argument of `register`, its name on the page.
-
-Offered are those rows whose argument `register` has.
-"""
+"""What a measured file may be → the argument of `register`, its name on the page."""
 
 CASE, MESH = "case.toml", "case.vtu"
 FIRST_RADIUS_MM = 30.0
@@ -108,8 +104,7 @@ class CaseDesk:
     @property
     def roles(self) -> Mapping[str, str]:
         """What a measured file may be → its name on the page."""
-        taken = signature(register).parameters
-        return {role: name for role, (key, name) in ROLES.items() if key in taken}
+        return {role: name for role, (_, name) in ROLES.items()}
 
     @property
     def suffixes(self) -> Sequence[str]:
@@ -246,7 +241,7 @@ class CaseDesk:
 
 
 def _misfits(found: "Registration") -> "tuple[PointMisfit, ...]":
-    """Return the misfit of every measured place, where the registrar tells."""
+    """Return the misfit of every measured place."""
     from physgnn.serving.patient.desk import PointMisfit
 
     return tuple(
@@ -256,5 +251,5 @@ def _misfits(found: "Registration") -> "tuple[PointMisfit, ...]":
             distance_mm=one.distance_mm,
             is_outlier=one.is_outlier,
         )
-        for one in getattr(found, "misfits", ())
+        for one in found.misfits
     )
