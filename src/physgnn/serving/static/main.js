@@ -93,6 +93,7 @@ function onCraniotomy(header, arrays) {
 function onState(header, arrays) {
   const first = patient.onState(header);
   $("hint").classList.add("done");
+  if (first) panel.hideMessage();
   if (load.point) load.release();
   predictions.set(REGISTERED, { header, arrays });
   for (const view of stage.views) view.setMeasured(arrays.measured, header.misfits);

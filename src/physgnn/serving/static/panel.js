@@ -151,5 +151,9 @@ export function showMessage(text) {
   $("message").textContent = text;
   $("message").hidden = false;
   clearTimeout(hiding);
-  hiding = setTimeout(() => { $("message").hidden = true; }, 6000);
+  hiding = setTimeout(hideMessage, 6000);
+}
+
+export function hideMessage() {
+  $("message").hidden = true;
 }
