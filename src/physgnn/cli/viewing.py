@@ -13,7 +13,9 @@ from physgnn.cli.options import AffineOption
 def view(
     path: Annotated[
         Path | None,
-        typer.Argument(help="A run folder or a mesh; by default the bundled model."),
+        typer.Argument(
+            help="A run folder or a case, VTU; by default the bundled model."
+        ),
     ] = None,
     port: Annotated[
         int,
@@ -35,6 +37,12 @@ def view(
             help="Stream the deformation by OpenIGTLink from this port.",
         ),
     ] = None,
+    save: Annotated[
+        Path | None,
+        typer.Option(
+            help="Keep craniotomies and registrations of a case in this folder."
+        ),
+    ] = None,
     igtl_surfaces: Annotated[
         bool,
         typer.Option("--igtl-surfaces", help="Stream the deformed surfaces too."),
@@ -49,5 +57,6 @@ def view(
         affine=affine,
         igtl=igtl,
         igtl_surfaces=igtl_surfaces,
+        save=save,
         log=say,
     )

@@ -11,6 +11,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from physgnn.errors import InputError
 from physgnn.serving.app import make_app
+from physgnn.serving.patient.desk import Desk
 from physgnn.serving.scene.image_slices import read_grey
 from physgnn.serving.scene.viewed import view
 from physgnn.serving.sessions.engine import Engine
@@ -33,6 +34,7 @@ def serve(
     affine: str | None = None,
     igtl: int | None = None,
     igtl_surfaces: bool = False,
+    desk: Desk | None = None,
     log: Callable[[str], None] = print,
 ) -> None:
     """Show a body in the browser until interrupted.
@@ -51,6 +53,8 @@ def serve(
         Port to stream the deformation from by OpenIGTLink; 0 takes a free one.
     igtl_surfaces : bool
         Stream the deformed surfaces too.
+    desk : Desk, optional
+        Does what the page may do for a patient, whose mesh is shown then.
     log : callable
         Receives the addresses, a line each.
 
@@ -62,7 +66,7 @@ def serve(
     with ExitStack() as sockets:
         listening = sockets.enter_context(listen(port))
         grey = None if image is None else read_grey(image, affine=affine, log=log)
-        engine = Engine(view(path), grey)
+        engine = Engine(view(path, None if desk is None else desk.mesh), grey, desk)
         beside = []
         if igtl is not None:
             from physgnn.serving.igtl import stream

@@ -1,55 +1,28 @@
 """The messages a browser may send, with every field checked."""
 
 import math
-from collections.abc import Collection
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    TypeAdapter,
-    ValidationError,
-)
-from pydantic_core import PydanticCustomError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from physgnn.errors import InputError
-from physgnn.serving.scene.colours import FIELDS
-from physgnn.serving.scene.section import AXES
+from physgnn.serving.protocol.fields import (
+    Axis,
+    CheckedMessage,
+    Coordinate,
+    FieldName,
+    Number,
+)
+from physgnn.serving.protocol.patient_messages import PatientMessage
 
 MAX_BYTES = 4096
-MAX_MM = 1e5  # no place in a room is farther away
 MAX_FORCE_N = 1000.0
 MAX_RADIUS_MM = 200.0
 
-
-def _key_of(table: Collection[str]) -> AfterValidator:
-    """Return a check that a text is a key of a table, as the table is then."""
-
-    def check(name: str) -> str:
-        if name not in table:
-            known = " or ".join(f"'{key}'" for key in table)
-            raise PydanticCustomError(
-                "key", "Input should be {known}", {"known": known}
-            )
-        return name
-
-    return AfterValidator(check)
-
-
-Number = Annotated[float, Field(allow_inf_nan=False)]
-Coordinate = Annotated[Number, Field(ge=-MAX_MM, le=MAX_MM)]
 PredictorName = Literal["network", "linear"]
-FieldName = Annotated[str, _key_of(FIELDS)]
-Axis = Annotated[str, _key_of(AXES)]
 
 
-class _Message(BaseModel):
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
-
-
-class PatchLoad(_Message):
+class PatchLoad(CheckedMessage):
     """A force on a patch of the exposed surface, and what is wanted for it.
 
     Attributes
@@ -80,7 +53,7 @@ class PatchLoad(_Message):
     solve: bool = False
 
 
-class SectionPlane(_Message):
+class SectionPlane(CheckedMessage):
     """A plane to cut the brain with, or none.
 
     Attributes
@@ -96,17 +69,20 @@ class SectionPlane(_Message):
     offset_mm: Coordinate = 0.0
 
 
-class Release(_Message):
+class Release(CheckedMessage):
     """Let go: nothing more is wanted for the last patch load."""
 
     type: Literal["release"] = "release"
 
 
-Message = Annotated[PatchLoad | SectionPlane | Release, Field(discriminator="type")]
-_READER: TypeAdapter[PatchLoad | SectionPlane | Release] = TypeAdapter(Message)
+LoadMessage: TypeAlias = PatchLoad | SectionPlane | Release
+Message: TypeAlias = LoadMessage | PatientMessage
+_READER: TypeAdapter[Message] = TypeAdapter(
+    Annotated[Message, Field(discriminator="type")]
+)
 
 
-def read_message(content: str | bytes) -> PatchLoad | SectionPlane | Release:
+def read_message(content: str | bytes) -> Message:
     """Return a message from the browser.
 
     Raises
@@ -148,5 +124,6 @@ def _check_force(patch_load: PatchLoad) -> None:
 
 def _first(error: ValidationError) -> str:
     what = error.errors(include_url=False, include_input=False)[0]
-    where = ".".join(str(part) for part in what["loc"] if part != "patch_load")
+    tag = what["loc"][:1] if len(what["loc"]) > 1 else ()  # which message it is
+    where = ".".join(str(part) for part in what["loc"][len(tag) :])
     return f"{where or 'message'}: {what['msg']}"

@@ -28,15 +28,18 @@ class SolvedLoad:
     ----------
     by : str
         Who found it: a key of `Viewed.predictors`, or `FINITE_ELEMENTS`.
-    case : LoadCase
-        The load.
+    case : LoadCase or None
+        The load; a registration has none.
     prediction : Prediction
         The displacement, its error bound and status.
+    deviation_mm : (n_points,) array or None
+        Standard deviation of each point's displacement, of a registration.
     """
 
     by: str
-    case: LoadCase
+    case: LoadCase | None
     prediction: Prediction
+    deviation_mm: FloatArray | None = None
 
 
 Measure = Callable[[Viewed, SolvedLoad], FloatArray | None]
@@ -66,6 +69,8 @@ class ColourField:
         Whether the range shown reaches below `centre` as well.
     calibrated : bool
         Whether only a calibrated network has it.
+    registered : bool
+        Whether only a registration has it.
     """
 
     label: str
@@ -76,6 +81,7 @@ class ColourField:
     centre: float = 0.0
     diverging: bool = False
     calibrated: bool = False
+    registered: bool = False
 
     def describe(self, viewed: Viewed) -> dict[str, Any]:
         """Return the row as JSON can hold it, for the page."""
@@ -104,9 +110,15 @@ def error_bound(viewed: Viewed, solved: SolvedLoad) -> FloatArray | None:
         return None if within is None else np.full(len(displacement), within.max_mm)
     if viewed.calibration is None or viewed.indicator is None or solved.by != "network":
         return None
+    assert solved.case is not None
     length = np.linalg.norm(viewed.indicator(solved.case, displacement), axis=1)
     bound: FloatArray = viewed.calibration.max_factor * length
     return bound
+
+
+def deviation(_: Viewed, solved: SolvedLoad) -> FloatArray | None:
+    """Return the standard deviation of each point's displacement, mm."""
+    return solved.deviation_mm
 
 
 def volume_ratio(viewed: Viewed, solved: SolvedLoad) -> FloatArray:
@@ -139,6 +151,14 @@ FIELDS: dict[str, ColourField] = {
         measure=volume_ratio,
         centre=1.0,
         diverging=True,
+    ),
+    "deviation": ColourField(
+        label="Deviation",
+        title="Standard deviation, mm",
+        stops=("#3f8f7f", "#8fc3a0", "#f0d58c", "#e58a4a", "#a8323a"),
+        least=0.5,
+        measure=deviation,
+        registered=True,
     ),
 }
 

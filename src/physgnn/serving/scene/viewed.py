@@ -8,19 +8,21 @@ import numpy as np
 
 from physgnn.arrays import IntArray
 from physgnn.bundled import BUNDLED_RUN
-from physgnn.dataset.presets import BRAIN_AND_TUMOUR
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
+from physgnn.geometry.regions import REGIONS
 from physgnn.learning.models import build_model
 from physgnn.learning.surrogate import FromFunction
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.linear.factor_cache import FACTORS
+from physgnn.mechanics.materials.tissues import TISSUES
 from physgnn.prediction.error_bounds.calibration import Calibration
 from physgnn.prediction.error_bounds.indicators import Indicator
 from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import Predictor
 from physgnn.serving.scene.patch_load import Exposed
 
+MATERIALS = {region: TISSUES[name].material for region, name in enumerate(REGIONS)}
 DEFAULT_FORCE_N = 4.0
 FINITE_ELEMENTS = "finite elements"  # what their solution is called on the page
 
@@ -60,10 +62,17 @@ class Viewed:
         return self.calibration.trained_range.total_force_n
 
 
-def view(path: str | Path | None) -> Viewed:
+def view(path: str | Path | None, mesh: TetMesh | None = None) -> Viewed:
     """Return what a path holds: a run folder, a mesh, or, for None, the bundled model.
 
     A mesh has linear elasticity and finite elements only, and the published materials.
+
+    Parameters
+    ----------
+    path : path or None
+        What to show.
+    mesh : TetMesh, optional
+        The mesh at the path, where it was read before.
 
     Raises
     ------
@@ -79,7 +88,8 @@ def view(path: str | Path | None) -> Viewed:
         raise InputError(f"{path} must be a run folder or a mesh, .vtu")
     from physgnn.io import read_mesh
 
-    return view_mesh(read_mesh(path), path.stem, factors=path.with_suffix(FACTORS))
+    mesh = read_mesh(path) if mesh is None else mesh
+    return view_mesh(mesh, path.stem, factors=path.with_suffix(FACTORS))
 
 
 def view_run(run: Path, title: str) -> Viewed:
@@ -101,7 +111,7 @@ def view_run(run: Path, title: str) -> Viewed:
 
 def view_mesh(mesh: TetMesh, title: str, *, factors: Path | None = None) -> Viewed:
     """Return a mesh without a network, made of the published materials."""
-    body = Body(mesh, BRAIN_AND_TUMOUR, mesh.point_set("fixed"), factors=factors)
+    body = Body(mesh, MATERIALS, mesh.point_set("fixed"), factors=factors)
     exposed = Exposed.of(body, _exposed_nodes(mesh, None))
     linear = Predictor(build_model("linear", body))
     return Viewed(title, body, {"linear": linear}, exposed)

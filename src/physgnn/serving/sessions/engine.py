@@ -12,6 +12,7 @@ import torch
 from physgnn.choices import Estimate
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.prediction import Prediction
+from physgnn.serving.patient.desk import Desk
 from physgnn.serving.scene.image_slices import GreyVolume
 from physgnn.serving.scene.surfaces import Shown
 from physgnn.serving.scene.viewed import Viewed
@@ -35,6 +36,8 @@ class Engine:
         What is on show.
     image : GreyVolume, optional
         Preoperative image for sections.
+    desk : Desk, optional
+        Does what the page may do for a patient.
 
     Attributes
     ----------
@@ -42,8 +45,14 @@ class Engine:
         Each is called with every prediction shown, in the event loop.
     """
 
-    def __init__(self, viewed: Viewed, image: GreyVolume | None = None) -> None:
-        self.viewed, self.image = viewed, image
+    def __init__(
+        self,
+        viewed: Viewed,
+        image: GreyVolume | None = None,
+        desk: Desk | None = None,
+    ) -> None:
+        self.viewed, self.image, self.desk = viewed, image, desk
+        self._registering = asyncio.Lock()
         self.shown = Shown.of(viewed.body.mesh)
         self.listeners: list[Callable[[Prediction], None]] = []
         self._refiner = Refiner(viewed.body)
@@ -66,6 +75,17 @@ class Engine:
 
     async def _in_thread(self, job: Callable[[], T]) -> T:
         return await asyncio.get_running_loop().run_in_executor(self._thread, job)
+
+    async def register(self, job: Callable[[], T]) -> T:
+        """Run a job that takes seconds, one at a time, while predictions go on."""
+        async with self._registering:
+            return await asyncio.to_thread(job)
+
+    async def reopen(self, make: Callable[[], Viewed]) -> None:
+        """Show the same mesh, held and loaded elsewhere or with other predictors."""
+        self.viewed = await self.work(make)
+        self._refiner.close()
+        self._refiner = Refiner(self.viewed.body)
 
     async def warm_up(self) -> None:
         """Make the first predictions, which factorise and compile.

@@ -10,6 +10,11 @@ from physgnn.geometry.regions import TUMOUR, region_name
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.serving.protocol.frames import encode
 from physgnn.serving.protocol.messages import MAX_RADIUS_MM, PatchLoad
+from physgnn.serving.protocol.patient_messages import (
+    MAX_FILE_BYTES,
+    MOST_FILES,
+    RADIUS_MM,
+)
 from physgnn.serving.scene.colours import FIELDS, SolvedLoad
 from physgnn.serving.scene.patch_load import Exposed, spread_force
 from physgnn.serving.scene.section import AXES, Section
@@ -33,7 +38,12 @@ def scene_frame(engine: Engine) -> bytes:
         "kind": "scene",
         "title": viewed.title,
         "predictors": list(viewed.predictors),
-        "fields": {name: row.describe(viewed) for name, row in FIELDS.items()},
+        "fields": {
+            name: row.describe(viewed)
+            for name, row in FIELDS.items()
+            if engine.desk is not None or not row.registered
+        },
+        "patient": _patient(engine),
         "coverage": viewed.calibration.coverage if viewed.calibration else None,
         "n_points": viewed.body.mesh.n_points,
         "n_cells": viewed.body.mesh.n_cells,
@@ -54,15 +64,23 @@ def prediction_frame(
     engine: Engine, message: PatchLoad, solved: SolvedLoad, section: Section | None
 ) -> bytes:
     """Return one predictor's displacement under a patch load, at the points drawn."""
-    case, prediction = solved.case, solved.prediction
-    displacement = prediction.displacement
-    length = np.linalg.norm(displacement, axis=1)
-    estimate, status = prediction.error_estimate_mm, prediction.status
     header = {
         "kind": "prediction",
         "id": message.id,
+        **described(engine, message.field, solved),
+        "loaded_nodes": 0 if solved.case is None else len(solved.case.nodes),
+    }
+    return encode(header, drawn_arrays(engine, message.field, solved, section))
+
+
+def described(engine: Engine, field: str, solved: SolvedLoad) -> dict[str, Any]:
+    """Return what the page says of a displacement."""
+    prediction = solved.prediction
+    length = np.linalg.norm(prediction.displacement, axis=1)
+    estimate, status = prediction.error_estimate_mm, prediction.status
+    return {
         "predictor": solved.by,
-        "field": message.field,
+        "field": field,
         "status": str(status),
         "usable": status.usable,
         "remedy": status.remedy,
@@ -76,19 +94,25 @@ def prediction_frame(
         },
         "seconds": prediction.seconds,
         "largest_mm": float(length.max()),
-        "tumour_mm": _tumour_shift(engine, displacement),
-        "loaded_nodes": len(case.nodes),
+        "tumour_mm": _tumour_shift(engine, prediction.displacement),
     }
-    arrays = {"displacement": displacement[engine.shown.nodes]}
+
+
+def drawn_arrays(
+    engine: Engine, field: str, solved: SolvedLoad, section: Section | None
+) -> dict[str, NDArray[Any]]:
+    """Return a displacement and a scalar at the points drawn."""
+    displacement = solved.prediction.displacement
+    arrays: dict[str, NDArray[Any]] = {"displacement": displacement[engine.shown.nodes]}
     if section is not None:
         arrays["section_displacement"] = section.at(displacement)
-    measure = FIELDS[message.field].measure
-    field = None if measure is None else measure(engine.viewed, solved)
-    if field is not None:
-        arrays["field"] = field[engine.shown.nodes]
+    measure = FIELDS[field].measure
+    values = None if measure is None else measure(engine.viewed, solved)
+    if values is not None:
+        arrays["field"] = values[engine.shown.nodes]
         if section is not None:
-            arrays["section_field"] = section.at(field)
-    return encode(header, arrays)
+            arrays["section_field"] = section.at(values)
+    return arrays
 
 
 def section_frame(engine: Engine, axis: str, offset_mm: float, made: Section) -> bytes:
@@ -107,6 +131,23 @@ def section_frame(engine: Engine, axis: str, offset_mm: float, made: Section) ->
         "high": high.tolist(),
     }
     return encode(header, arrays)
+
+
+def _patient(engine: Engine) -> dict[str, Any] | None:
+    """Return what can be done for the patient on show."""
+    desk = engine.desk
+    if desk is None:
+        return None
+    return {
+        "note": desk.note,
+        "saves": desk.saves,
+        "adapts": desk.adapts,
+        "roles": dict(desk.roles),
+        "suffixes": list(desk.suffixes),
+        "radius_mm": RADIUS_MM,
+        "most_bytes": MAX_FILE_BYTES,
+        "most_files": MOST_FILES,
+    }
 
 
 def _tumour_shift(engine: Engine, displacement: FloatArray) -> float | None:

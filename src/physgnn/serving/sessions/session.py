@@ -9,8 +9,9 @@ from physgnn.errors import InputError
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.prediction import Prediction
 from physgnn.serving.protocol.messages import (
+    LoadMessage,
+    Message,
     PatchLoad,
-    Release,
     SectionPlane,
     read_message,
 )
@@ -18,6 +19,7 @@ from physgnn.serving.scene.colours import SolvedLoad
 from physgnn.serving.scene.section import Section, cut
 from physgnn.serving.scene.viewed import FINITE_ELEMENTS
 from physgnn.serving.sessions.engine import Engine
+from physgnn.serving.sessions.patient_session import PatientSession
 from physgnn.serving.sessions.predictions import (
     load_case,
     prediction_frame,
@@ -56,22 +58,43 @@ class Session:
         self._cut: Section | None = None
         self._changed = asyncio.Event()
         self._refinement: asyncio.Task[None] | None = None
+        self._patient: PatientSession | None = None
+        if engine.desk is not None:
+            self._patient = PatientSession(
+                engine, engine.desk, send_text, send_bytes, lambda: self._cut
+            )
 
     async def run(self, messages: AsyncIterator[str | bytes]) -> None:
         """Serve until the browser leaves."""
-        await self._send_bytes(scene_frame(self._engine))
         predicting = asyncio.create_task(self._predict_newest())
         try:
+            await self._send_bytes(scene_frame(self._engine))
             async for content in messages:
                 try:
-                    self._take(read_message(content))
+                    self._receive(content)
                 except InputError as error:
                     await self._report(error)
         finally:
             predicting.cancel()
             self._stop_refinement()
+            if self._patient is not None:
+                self._patient.close()
 
-    def _take(self, message: PatchLoad | SectionPlane | Release) -> None:
+    def _receive(self, content: str | bytes) -> None:
+        if isinstance(content, bytes) and self._patient is not None:
+            self._patient.add(content)
+            return
+        message: Message = read_message(content)
+        if isinstance(message, LoadMessage):
+            self._take(message)
+        elif self._patient is not None:
+            self._patient.take(message)
+        else:
+            raise InputError(
+                "there is no patient here: start physgnn view with a case, .vtu"
+            )
+
+    def _take(self, message: LoadMessage) -> None:
         if isinstance(message, SectionPlane):
             self._plane = message
         else:

@@ -7,6 +7,7 @@ import { Surface } from "./surface.js";
 import { setPlane, tissue } from "./tissue.js";
 
 const INSIDE = { tumour: [0.62, 0.42, 0.82], ventricle: [0.35, 0.55, 0.8] };
+const HELD = [0.06, 0.1, 0.16]; // added to half the tissue's colour
 const OTHER = [0.5, 0.6, 0.6];
 
 export class BodyView {
@@ -33,6 +34,9 @@ export class BodyView {
     this.section = null;
     this.arrow = new Arrow(size);
     this.scene.add(this.arrow.group);
+    this.held = null;
+    this.dots = null;
+    this.size = size;
   }
 
   add(geometry, material, order) {
@@ -51,6 +55,25 @@ export class BodyView {
     this.sectionValues = arrays?.section_field ?? null;
     this.sectionDisplacement = arrays?.section_displacement ?? null;
     this.moveSection();
+  }
+
+  /** Outline a craniotomy and shade what the skull would hold; null is the scene's own. */
+  tryOpening(arrays) {
+    this.brain.expose(arrays?.loaded ?? this.exposed);
+    this.held = arrays?.held ?? null;
+  }
+
+  /** Show where places were measured, outliers in another colour; null takes them away. */
+  setMeasured(places, misfits) {
+    if (this.dots) {
+      this.scene.remove(this.dots);
+      this.dots.dispose();
+      this.dots.material.dispose();
+      this.dots = null;
+    }
+    if (!places?.length) return;
+    this.dots = dots(places, misfits, this.size);
+    this.scene.add(this.dots);
   }
 
   /** The scalar at the points in a field's units; null where there is none. */
@@ -86,6 +109,7 @@ export class BodyView {
   recolour(field, range) {
     const own = this.brain.colour.subarray(0, 3 * this.count);
     paint(field, this.scalars(field), range, own);
+    if (this.held) shade(own, this.held);
     this.brain.recolour();
     if (!this.section) return;
     const n = this.section.geometry.attributes.rest.count;
@@ -142,6 +166,27 @@ export class BodyView {
       setPlane(material, plane);
     }
   }
+}
+
+/** Darken the colours of points that are marked. */
+function shade(colours, marked) {
+  for (let i = 0; i < marked.length; i++) {
+    if (marked[i]) for (let k = 0; k < 3; k++) colours[3 * i + k] = 0.5 * colours[3 * i + k] + HELD[k];
+  }
+}
+
+function dots(places, misfits, size) {
+  const made = new THREE.InstancedMesh(
+    new THREE.SphereGeometry(0.007 * size, 12, 8), new THREE.MeshBasicMaterial(), places.length / 3,
+  );
+  const at = new THREE.Matrix4();
+  misfits.forEach(({ outlier }, i) => {
+    made.setMatrixAt(i, at.makeTranslation(...places.subarray(3 * i, 3 * i + 3)));
+    made.setColorAt(i, new THREE.Color(outlier ? 0xf0a843 : 0xffffff));
+  });
+  made.renderOrder = 4;
+  made.frustumCulled = false;
+  return made;
 }
 
 function lengths(displacement, count) {

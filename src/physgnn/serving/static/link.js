@@ -3,10 +3,11 @@
 import { decode } from "./frames.js";
 
 const RECONNECT_MS = 1000;
+const PIECE = 1 << 15; // bytes of a file in one message; the server refuses longer ones
 const AHEAD = 2; // patch loads on their way: one is predicted, one lets the next start at once
 
 export class Link {
-  /** `handlers`: onScene, onSection, onPrediction, onText, onClosed. */
+  /** `handlers`: onScene, onSection, onPrediction, onCraniotomy, onState, onText, onClosed. */
   constructor(handlers) {
     this.handlers = handlers;
     this.sent = new Map(); // id of a patch load without its prediction yet → when it was sent
@@ -36,6 +37,15 @@ export class Link {
 
   send(message) {
     if (this.open) this.socket.send(JSON.stringify(message));
+  }
+
+  /** Announce a measured file and send it in pieces. */
+  async sendFile(file, role) {
+    this.send({ type: "measured_file", name: file.name, role, n_bytes: file.size });
+    const content = await file.arrayBuffer();
+    for (let start = 0; start < content.byteLength && this.open; start += PIECE) {
+      this.socket.send(content.slice(start, start + PIECE));
+    }
   }
 
   /** Ask for the load as it is when its turn comes; `make` returns the message. */
@@ -75,6 +85,8 @@ export class Link {
     const { header, arrays } = decode(data);
     if (header.kind === "scene") this.handlers.onScene(header, arrays);
     else if (header.kind === "section") this.handlers.onSection(header, arrays);
+    else if (header.kind === "craniotomy") this.handlers.onCraniotomy(header, arrays);
+    else if (header.kind === "state") this.handlers.onState(header, arrays);
     else this.handlers.onPrediction(header, arrays, this.resolve(header.id));
   }
 

@@ -7,11 +7,14 @@ import { listen } from "./keys.js";
 import { Link } from "./link.js";
 import { Load } from "./load.js";
 import * as panel from "./panel.js";
+import { Patient } from "./patient.js";
 import { Stage } from "./stage.js";
 import { Touch } from "./touch.js";
 
 const { $, NAMES } = panel;
 const SOLVED = "finite elements";
+const REGISTERED = "registration";
+const FAINT = 0.5; // how far the image shows through a registration's colours
 const AXES = [["none", "Off"], ["sagittal", "Sag"], ["coronal", "Cor"], ["axial", "Ax"]];
 const LABEL_PX = 72; // room for the force beside its arrow
 const PATIENCE_MS = 80; // a prediction draws the load too; later than this it is drawn alone
@@ -27,7 +30,7 @@ let setRadius = () => {};
 
 const stage = new Stage($("canvas"), $("letters"));
 const load = new Load(loadChanged);
-new Touch(stage, load, () => load.tail);
+const touch = new Touch(stage, load, () => load.tail);
 listen(stage, load, {
   fields: () => Object.keys(FIELDS),
   changeForce: (factor) => { load.newton = Math.min(load.newton * factor, load.maxNewton); loadChanged(); },
@@ -36,7 +39,20 @@ listen(stage, load, {
     loadChanged();
   },
 });
-const link = new Link({ onScene, onSection, onPrediction, onText, onClosed });
+const link = new Link({ onScene, onSection, onPrediction, onCraniotomy, onState, onText, onClosed });
+const patient = new Patient(link, {
+  pick: (pick) => {
+    const picked = touch.pick !== null;
+    touch.pick = pick;
+    stage.canvas.classList.toggle("picking", pick !== null);
+    if (pick && load.point) load.release();
+    if (pick) $("hint").textContent = "Click the middle of the craniotomy.";
+    if (pick || picked) $("hint").classList.toggle("done", !pick);
+  },
+  preview,
+  message: panel.showMessage,
+  field: () => chosen.field,
+});
 stage.onDrawn = placeForceLabel;
 
 // --- from the server
@@ -56,6 +72,8 @@ function onScene(header, arrays) {
   setRadius = panel.slider("radius", { min: 2, max: header.max_radius_mm, value: load.radius },
     (v) => `${v.toFixed(0)} mm`, (v) => { load.radius = v; loadChanged(); });
   fillChoices();
+  predictions.clear();
+  patient.fit(header.patient);
   showRest();
   document.body.dataset.ready = "yes";
 }
@@ -64,8 +82,23 @@ function onSection(header, arrays) {
   for (const view of stage.views) view.setSection(header, arrays);
   sectionFrame = { header, arrays };
   restyle();
-  if (load.point) ask();
-  else show();
+  askAgain();
+}
+
+function onCraniotomy(header, arrays) {
+  patient.onCraniotomy(header, arrays);
+}
+
+/** A registered state takes the place of a load. */
+function onState(header, arrays) {
+  const first = patient.onState(header);
+  $("hint").classList.add("done");
+  if (first) panel.hideMessage();
+  if (load.point) load.release();
+  predictions.set(REGISTERED, { header, arrays });
+  for (const view of stage.views) view.setMeasured(arrays.measured, header.misfits);
+  show();
+  if (first) colourByDeviation();
 }
 
 function onPrediction(header, arrays, sent) {
@@ -78,12 +111,14 @@ function onPrediction(header, arrays, sent) {
 }
 
 function onText(message) {
+  if (patient.onText(message)) return;
   if (message.kind === "solving") solving = message.id === link.id;
   else { solving = false; panel.showMessage(message.text); }
   show();
 }
 
 function onClosed() {
+  patient.onClosed();
   if (scene) panel.showMessage("the server is gone; looking for it again…");
 }
 
@@ -93,6 +128,13 @@ function ask() {
   predictions.delete(SOLVED);
   solving = false;
   link.request(() => load.message(wanted()));
+}
+
+/** Ask anew for what is on show, with the scalar and the section that are chosen now. */
+function askAgain() {
+  if (load.point) ask();
+  else if (predictions.has(REGISTERED)) patient.askState();
+  else show();
 }
 
 function wanted() {
@@ -105,15 +147,22 @@ function loadChanged() {
   setRadius(load.radius);
   $("save").disabled = load.point === null;
   if (load.point) {
+    hideRegistration();
     $("hint").classList.add("done");
     ask();
     showLoadSoon();
   } else {
     link.forget();
     link.send({ type: "release" });
+    hideRegistration();
     predictions.clear();
     showRest();
   }
+}
+
+function hideRegistration() {
+  if (!predictions.delete(REGISTERED)) return;
+  for (const view of stage.views) view.setMeasured(null);
 }
 
 function askSection() {
@@ -130,6 +179,7 @@ function askSection() {
 
 /** Which predictions are on show, one a view. */
 function shown() {
+  if (predictions.has(REGISTERED)) return stage.views.map(() => REGISTERED);
   if (chosen.compare) return [...scene.predictors, SOLVED];
   return [predictions.has(SOLVED) ? SOLVED : chosen.predictor];
 }
@@ -156,10 +206,22 @@ function show() {
   const range = rangeOf(chosen.field, stage.views.map((v) => v.scalars(chosen.field)).filter(Boolean));
   stage.views.forEach((view) => view.recolour(chosen.field, range));
   panel.showLegend(chosen.field, range);
-  const best = chosen.compare ? predictions.get(chosen.predictor) : predictions.get(names[0]);
+  const best = chosen.compare && names[0] !== REGISTERED ? predictions.get(chosen.predictor) : predictions.get(names[0]);
   if (best) panel.showPrediction(best.header, solving);
   showCaptions(names);
   showLoad();
+}
+
+/** Outline a craniotomy that is tried, or the scene's own for null. */
+function preview(arrays) {
+  for (const view of stage.views) view.tryOpening(arrays);
+  show();
+}
+
+/** Colours and, if there is an image, a slice that show how sure a registration is. */
+function colourByDeviation() {
+  panel.choose("fields", "deviation");
+  if (scene.image && chosen.axis === "none") panel.choose("axes", "axial");
 }
 
 function showRest() {
@@ -169,7 +231,7 @@ function showRest() {
 }
 
 function showCaptions(names) {
-  $("captions").replaceChildren(...(names.length < 2 ? [] : names.map((name) => {
+  $("captions").replaceChildren(...(names.length < 2 || names[0] === REGISTERED ? [] : names.map((name) => {
     const span = Object.assign(document.createElement("span"), { textContent: NAMES[name] });
     const header = predictions.get(name)?.header;
     const text = header ? `${header.largest_mm.toFixed(2)} mm · ${panel.milliseconds(header.seconds)}`
@@ -208,7 +270,8 @@ function restyle() {
   for (const view of stage.views) {
     view.style(style);
     if (view.section) {
-      view.section.material.uniforms.grey.value = scene.image && $("image").checked ? 1 : 0;
+      const most = predictions.has(REGISTERED) && chosen.field === "deviation" ? FAINT : 1;
+      view.section.material.uniforms.grey.value = scene.image && $("image").checked ? most : 0;
     }
   }
   stage.invalidate();
@@ -247,8 +310,7 @@ function fillChoices() {
     Object.entries(FIELDS).map(([name, { label, available }]) => [name, label, available]),
     chosen.field, (name) => {
       chosen.field = name;
-      if (load.point) ask();
-      else show();
+      askAgain();
     });
   panel.choices("axes", AXES, chosen.axis, (axis) => {
     chosen.axis = axis;
@@ -296,6 +358,7 @@ window.physgnn = {
   load,
   stage,
   link,
+  patient,
   get predictions() { return Object.fromEntries([...predictions].map(([name, { header }]) => [name, header])); },
   get solving() { return solving; },
 };

@@ -6,7 +6,9 @@ export const $ = (id) => document.getElementById(id);
 
 const READ_MS = 100; // numbers that change faster can't be read, and cost time
 
-export const NAMES = { network: "Network", linear: "Linear", "finite elements": "Finite elements" };
+export const NAMES = {
+  network: "Network", linear: "Linear", "finite elements": "Finite elements", registration: "Registration",
+};
 
 /** Set a text that often stays as it is: the same again would still be laid out anew. */
 export function write(id, text) {
@@ -78,8 +80,8 @@ export const showPrediction = calm((header, solving) => {
   showError(header);
   showStatus(header);
   const after = solving ? " · finite elements are solving…" : "";
-  $("source").textContent =
-    `${NAMES[header.predictor]} · ${milliseconds(header.seconds)} · ${header.loaded_nodes} nodes loaded${after}`;
+  const what = header.name ?? `${header.loaded_nodes} nodes loaded`;
+  $("source").textContent = `${NAMES[header.predictor]} · ${milliseconds(header.seconds)} · ${what}${after}`;
 });
 
 /** What the chip says of a status that is not usable: its text and kind. */
@@ -89,12 +91,14 @@ const FLAGGED = {
   "implausible displacement": ["implausible displacement", "failed"],
 };
 
+const FINE = { network: "inside the trained range", registration: "registered" };
+
 function showStatus({ predictor, status, usable, remedy, reasons }) {
   // Linear elasticity is shown to compare with, and says itself what it is.
   const compared = predictor === "linear" && status === "no error estimate";
   if (compared) chip("linear elasticity", "");
   else if (!usable) chip(...(FLAGGED[status] ?? [status, "outside"]));
-  else chip(predictor === "network" ? "inside the trained range" : "solved", "ok");
+  else chip(FINE[predictor] ?? "solved", "ok");
   $("chip").title = remedy;
   $("reasons").replaceChildren(...(compared ? [] : reasons).map((text) =>
     Object.assign(document.createElement("li"), { textContent: text })));
@@ -147,5 +151,9 @@ export function showMessage(text) {
   $("message").textContent = text;
   $("message").hidden = false;
   clearTimeout(hiding);
-  hiding = setTimeout(() => { $("message").hidden = true; }, 6000);
+  hiding = setTimeout(hideMessage, 6000);
+}
+
+export function hideMessage() {
+  $("message").hidden = true;
 }

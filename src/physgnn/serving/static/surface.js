@@ -34,12 +34,18 @@ export class Surface {
     for (let i = 0; i < count; i++) this.colour.set(colour, 3 * i);
     this.move(null);
     attribute("rest", 3).set(this.position);
-    const border = attribute("exposed", 1);
-    if (exposed) {
-      border.set(exposed);
-      this.spread(border, 1);
-      for (let i = 0; i < BLURS; i++) blur(border, finest);
-    }
+    attribute("exposed", 1);
+    if (exposed) this.expose(exposed);
+  }
+
+  /** Outline what is exposed: 0 or 1 a point. */
+  expose(exposed) {
+    const border = this.geometry.attributes.exposed.array;
+    border.fill(0);
+    border.set(exposed);
+    this.spread(border, 1);
+    for (let i = 0; i < BLURS; i++) blur(border, this.finest);
+    this.changed("exposed");
   }
 
   /** Whether to draw every triangle, or only those between the surface's own points. */

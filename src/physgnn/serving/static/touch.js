@@ -7,11 +7,12 @@ const HANDLE_PX = 16;
 
 export class Touch {
   /**
+   * While `pick` is a function, it gets the places pressed, anywhere on the brain.
    * `load` has point, direction, newton and methods loadAt(point, normal), setForce(vector);
    * `tail()` tells where the arrow's handle is.
    */
   constructor(stage, load, tail) {
-    Object.assign(this, { stage, load, tail, drag: null });
+    Object.assign(this, { stage, load, tail, drag: null, pick: null });
     const { canvas } = stage;
     // Before OrbitControls hears of it: a press on the brain must not turn it.
     canvas.addEventListener("pointerdown", (e) => this.down(e), { capture: true });
@@ -23,7 +24,7 @@ export class Touch {
 
   down(event) {
     if (event.button !== 0 || !event.isPrimary || this.stage.views.length === 0) return;
-    if (this.nearHandle(event)) this.drag = "handle";
+    if (!this.pick && this.nearHandle(event)) this.drag = "handle";
     else if (this.pressAt(event)) this.drag = "surface";
     else return;
     this.stage.controls.enabled = false;
@@ -36,7 +37,7 @@ export class Touch {
     if (this.drag === "surface") this.pressAt(event);
     else if (this.drag === "handle") this.pull(event);
     else if (event.pointerType === "mouse" && event.buttons === 0) {
-      const touchable = this.nearHandle(event) || this.hit(event) !== null;
+      const touchable = (!this.pick && this.nearHandle(event)) || this.hit(event) !== null;
       this.stage.canvas.classList.toggle("touchable", touchable);
     }
   }
@@ -49,7 +50,8 @@ export class Touch {
 
   pressAt(event) {
     const hit = this.hit(event);
-    if (hit) this.load.loadAt(hit.point, hit.normal);
+    if (hit && this.pick) this.pick(hit.point);
+    else if (hit) this.load.loadAt(hit.point, hit.normal);
     return hit !== null;
   }
 
@@ -64,6 +66,7 @@ export class Touch {
       const point = new THREE.Vector3();
       at(rest).forEach((place, k) => point.addScaledVector(place, fraction[k]));
       if (view.isCutAway(point)) continue;
+      if (this.pick) return { point };
       const isExposed = corners.reduce((sum, c, k) => sum + fraction[k] * exposed.getX(c), 0);
       return isExposed < EXPOSED ? null : { point, normal: this.load.normalAt(point) };
     }

@@ -1,8 +1,12 @@
 """A body in the browser."""
 
+from contextlib import closing
+from functools import partial
 from pathlib import Path
 
+from physgnn.errors import InputError
 from physgnn.progress import Log
+from physgnn.stages.patient.case_desk import CaseDesk
 
 DEFAULT_PORT = 8750
 
@@ -15,6 +19,7 @@ def view(
     affine: str | None = None,
     igtl: int | None = None,
     igtl_surfaces: bool = False,
+    save: str | Path | None = None,
     log: Log = print,
 ) -> None:
     """Show a body in the browser, to push it and see it follow, until interrupted.
@@ -22,7 +27,8 @@ def view(
     Parameters
     ----------
     path : path, optional
-        A run folder or a mesh; by default the bundled model.
+        A run folder or a case (a mesh, VTU); by default the bundled model. On a case
+        the page places the craniotomy and registers measured files.
     port : int
         On 127.0.0.1; 0 takes a free one.
     image : path, optional
@@ -33,17 +39,21 @@ def view(
         Port to stream the deformation from by OpenIGTLink; 0 takes a free one.
     igtl_surfaces : bool
         Stream the deformed surfaces too.
+    save : path, optional
+        Folder that the page may keep case files and registrations of a case in.
     log : callable
         Receives the addresses, a line each.
 
     Raises
     ------
     InputError
-        If there is nothing to show at the path, or a port is taken.
+        If there is nothing to show at the path, a port is taken, or there is a folder
+        to save in but no case.
     """
     from physgnn.serving import serve
 
-    serve(
+    show = partial(
+        serve,
         path,
         port=port,
         image=image,
@@ -52,3 +62,10 @@ def view(
         igtl_surfaces=igtl_surfaces,
         log=log,
     )
+    if path is None or Path(path).suffix != ".vtu":
+        if save is not None:
+            raise InputError(f"--save goes with a case, .vtu (got {path or 'none'})")
+        show()
+        return
+    with closing(CaseDesk(path, save)) as desk:
+        show(desk=desk)

@@ -1,0 +1,133 @@
+// Drives a real browser over a case and prints what it saw as one line of JSON.
+//   node browse_case.mjs <playwright-core folder> <chromium> <url> <folder of measured files, and for pictures>
+import path from "node:path";
+import { readFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+
+const [, , playwright, chromium, url, folder] = process.argv;
+const { chromium: launcher } = await import(pathToFileURL(path.join(playwright, "index.mjs")));
+const FLAGS = [
+  "--headless", "--no-sandbox", "--disable-quic", "--no-first-run",
+  "--disable-background-networking", "--disable-component-update", "--disable-sync",
+  "--enable-unsafe-swiftshader", // WebGL without a graphics card
+];
+const WAIT = { timeout: 90000 };
+const DRIVER = /GL Driver Message .*Performance/;
+
+const browser = await launcher.launch({ executablePath: chromium, args: FLAGS });
+const page = await browser.newPage({ viewport: { width: 1100, height: 1000 }, hasTouch: true });
+const saw = { errors: [], elsewhere: [] };
+page.on("console", (m) => {
+  if (["error", "warning"].includes(m.type()) && !DRIVER.test(m.text())) saw.errors.push(m.text());
+});
+page.on("pageerror", (e) => saw.errors.push(String(e)));
+page.on("request", (r) => { if (!r.url().startsWith(url) && !r.url().startsWith("blob:")) saw.elsewhere.push(r.url()); });
+
+const text = (id) => page.locator(`#${id}`).textContent();
+const settled = (id, pattern) => page.waitForFunction(
+  ([id, source]) => new RegExp(source).test(document.getElementById(id).textContent), [id, pattern.source], WAIT);
+const drawn = () => page.evaluate(() => new Promise((done) =>
+  requestAnimationFrame(() => requestAnimationFrame(done))));
+const picture = async (name) => { await page.waitForTimeout(500); await page.screenshot({ path: path.join(folder, name) }); };
+/** Where a place of the brain at rest is on the screen. */
+const screen = (place) => page.evaluate((p) => {
+  const { stage, load } = window.physgnn;
+  const box = stage.canvas.getBoundingClientRect();
+  const { x, y } = stage.toScreen(load.touchable[0].place.clone().set(...p));
+  return { x: x + box.left, y: y + box.top };
+}, place);
+/** Drop files on the page as a file manager does. */
+async function drop(...names) {
+  const files = names.map((name) => ({ name, content: readFileSync(path.join(folder, name)).toString("base64") }));
+  await page.evaluate((files) => {
+    const data = new DataTransfer();
+    for (const { name, content } of files) {
+      data.items.add(new File([Uint8Array.from(atob(content), (c) => c.charCodeAt(0))], name));
+    }
+    for (const type of ["dragover", "drop"]) {
+      document.body.dispatchEvent(new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true }));
+    }
+  }, files);
+}
+
+await page.goto(url);
+await page.waitForSelector("body[data-ready=yes]", WAIT);
+await drawn();
+saw.note = await text("note");
+
+// the craniotomy: a click, the radius, opened
+await page.click("#pick");
+const { x, y } = await screen([40, 40, 80]);
+await page.mouse.click(x, y);
+await settled("opened", /cm² open/);
+saw.tried = await text("opened");
+await page.locator("#opening").fill("20");
+await page.waitForFunction((before) => document.getElementById("opened").textContent !== before, saw.tried, WAIT);
+saw.smaller = await text("opened");
+saw.loadedMeanwhile = await page.evaluate(() => window.physgnn.load.point !== null);
+await picture("craniotomy.png");
+await page.click("#open");
+await settled("opened", /Saved/);
+saw.opened = await text("opened");
+saw.noteAfter = await text("note");
+
+// a file that is none, by its name and by its content
+await drop("picture.gif");
+await settled("message", /picture\.gif/);
+saw.refused = await text("message");
+await drop("broken.csv");
+await page.click("#register");
+await settled("registered", /broken\.csv/);
+saw.broken = await text("registered");
+await page.click("#files button");
+
+// what was measured, registered, saved
+await drop("pairs.csv");
+saw.roles = await page.locator("#files select").first().locator("option").allInnerTexts();
+await page.click("#register");
+await settled("registered", /Misfit/);
+await page.waitForFunction(() => window.physgnn.predictions.registration?.field === "deviation"
+  && window.physgnn.stage.views[0].sectionValues !== null, null, WAIT);
+await drawn();
+saw.registered = await text("registered");
+saw.chip = await text("chip");
+saw.header = await page.evaluate(() => window.physgnn.predictions.registration);
+saw.displaced = await page.evaluate(() => Array.from(window.physgnn.stage.views[0].displacement));
+saw.legend = await text("legend-title");
+saw.misfits = await page.locator("#misfits li").allInnerTexts();
+saw.reasons = await page.locator("#reasons li").allInnerTexts();
+await picture("registration.png");
+await page.emulateMedia({ colorScheme: "light" });
+await picture("registration-light.png");
+await page.click("#keep");
+await settled("registered", /Saved/);
+saw.saved = await text("registered");
+
+// a load takes its place, and it comes back
+await page.focus("#canvas");
+await page.keyboard.press("Enter");
+await page.waitForFunction(() => window.physgnn.predictions.linear !== undefined, null, WAIT);
+saw.loaded = await page.evaluate(() => Object.keys(window.physgnn.predictions));
+await page.click("#show");
+await page.waitForFunction(() => window.physgnn.predictions.registration !== undefined, null, WAIT);
+
+// the package's network, adapted to the case
+await page.click("#adapt");
+await page.waitForFunction(() => /network|cannot|must|does/.test(document.getElementById("opened").textContent)
+  && !/adapting/.test(document.getElementById("opened").textContent)
+  || /adapted/.test(document.getElementById("note").textContent), null, WAIT);
+saw.adapted = { note: await text("note"), opened: await text("opened"),
+  predictors: await page.locator("#predictors span").allInnerTexts() };
+
+// a series
+await drop("state-2.csv", "state-10.csv");
+saw.order = await page.locator("#files .name").allInnerTexts();
+await page.click("#register");
+await page.waitForFunction(() => window.physgnn.predictions.registration?.states === 3, null, WAIT);
+await page.locator("#state").fill("1");
+await page.waitForFunction(() => window.physgnn.predictions.registration?.state === 0, null, WAIT);
+saw.first = await page.evaluate(() => window.physgnn.predictions.registration.name);
+await picture("series.png");
+
+await browser.close();
+console.log(JSON.stringify(saw));

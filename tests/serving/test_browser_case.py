@@ -1,0 +1,125 @@
+"""A case in a real browser: the craniotomy clicked, files dropped, the registration.
+
+test_browser.py says what it takes. With PHYSGNN_PICTURES, a folder, the pictures are
+kept there.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from case_on_show import case_engine, csv_of, sunk_pairs, write_case
+from live_server import serving
+
+from browser import browser_tools
+from physgnn.config import read_preset
+from physgnn.io import read_mesh
+from physgnn.io.vtk.prediction_file import read_displacement
+from physgnn.serving.sessions.engine import Engine
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("case")
+    (folder / "kept").mkdir()
+    (folder / "measured").mkdir()
+    return folder
+
+
+@pytest.fixture(scope="module")
+def saw(folder: Path) -> dict[str, Any]:
+    """What the browser saw; browse_case.mjs says what it did."""
+    node, playwright, chromium = browser_tools()
+    script, measured = Path(__file__).with_name("browse_case.mjs"), folder / "measured"
+    with case_engine(write_case(folder), folder / "kept") as engine:
+        write_measured(engine, measured)
+        with serving(engine) as address:
+            done = subprocess.run(
+                [node, script, playwright, chromium, f"{address.page}/", measured],
+                capture_output=True,
+                text=True,
+                timeout=400,
+            )
+    if os.environ.get("PHYSGNN_PICTURES"):
+        for picture in measured.glob("*.png"):
+            shutil.copy(picture, os.environ["PHYSGNN_PICTURES"])
+    assert done.returncode == 0, done.stderr
+    seen: dict[str, Any] = json.loads(done.stdout)
+    return seen
+
+
+def write_measured(engine: Engine, folder: Path) -> None:
+    depths = {"pairs": 4.0, "state-2": 1.0, "state-10": 2.0}
+    for name, depth in depths.items():
+        pairs = csv_of(sunk_pairs(engine.viewed.body.mesh, depth))
+        (folder / f"{name}.csv").write_bytes(pairs)
+    (folder / "broken.csv").write_text("1,2,3,4,5,x\n")
+    (folder / "picture.gif").write_bytes(b"GIF89a")
+
+
+def test_the_page_has_no_errors_and_asks_nobody_else(saw: dict[str, Any]) -> None:
+    assert saw["errors"] == []
+    assert saw["elsewhere"] == []
+
+
+def test_a_click_opens_the_skull_and_keeps_the_case_file(
+    saw: dict[str, Any], folder: Path
+) -> None:
+    assert "no network was trained" in saw["note"] and "over the tumour" in saw["note"]
+    assert "cm² open" in saw["tried"] and "the skull holds" in saw["tried"]
+    assert saw["smaller"] != saw["tried"]
+    assert not saw["loadedMeanwhile"]
+    assert saw["opened"] == "Saved: case.toml, case.vtu."
+    assert "click" not in saw["noteAfter"]
+    kept = folder / "kept"
+    mesh, paths = read_preset(kept / "case.toml").on(read_mesh(folder / "case.vtu"))
+    opened = mesh.points[mesh.point_set("loaded")]
+    assert np.linalg.norm(opened - [40, 40, 80], axis=1).max() <= 40
+    assert len(paths) == 20
+    np.testing.assert_array_equal(
+        read_mesh(kept / "case.vtu").point_set("fixed"), mesh.point_set("fixed")
+    )
+
+
+def test_what_is_no_measured_file_is_one_clear_line(saw: dict[str, Any]) -> None:
+    assert saw["refused"].startswith("picture.gif: measured files end in .csv")
+    assert saw["broken"].startswith("broken.csv: point 1 must be 6 numbers")
+
+
+def test_a_dropped_file_is_registered_shown_and_saved(
+    saw: dict[str, Any], folder: Path
+) -> None:
+    header = saw["header"]
+    assert header["name"] == "pairs.csv"
+    assert "exposed surface" in saw["roles"]
+    assert saw["registered"].startswith("Misfit ")
+    expected = "registered" if header["usable"] else header["status"]
+    assert saw["chip"].startswith(expected.split(" ")[0])
+    assert saw["reasons"] == header["reasons"]
+    assert saw["legend"] == "Standard deviation, mm"
+    assert len(saw["misfits"]) == len(header["misfits"]) > 0
+    assert "registered.vtu" in saw["saved"]
+    _, u = read_displacement(folder / "kept" / "registered.vtu")
+    shown = np.reshape(saw["displaced"], (-1, 3))
+    assert shown[:, 2].min() == pytest.approx(u[:, 2].min(), abs=1e-4)
+
+
+def test_a_load_hides_the_registration_until_it_is_wanted(saw: dict[str, Any]) -> None:
+    assert "registration" not in saw["loaded"]
+
+
+def test_the_packages_network_is_adapted_to_the_case(saw: dict[str, Any]) -> None:
+    assert "adapted to this case" in saw["adapted"]["note"]
+    assert saw["adapted"]["predictors"] == ["Network", "Linear"]
+
+
+def test_several_files_are_a_series_in_the_order_of_their_numbers(
+    saw: dict[str, Any],
+) -> None:
+    assert saw["order"] == ["pairs.csv", "state-2.csv", "state-10.csv"]
+    assert saw["first"] == "pairs.csv"

@@ -1,0 +1,149 @@
+"""What the live view keeps of a case is what the commands write."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshes import block_mesh
+from physgnn.config import read_preset
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.io import read_mesh, write_mesh
+from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.prediction.predictor import Predictor
+from physgnn.stages.patient.case_desk import CaseDesk
+from physgnn.stages.patient.case_file import init
+from physgnn.stages.patient.registration import register
+from physgnn.stages.patient.viewing import view
+
+SIDE = 80.0
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    """A cube of 80 mm with a tumour below the middle of its top, held nowhere."""
+    body = block_mesh(6, side=SIDE)
+    centre = body.points[body.cells].mean(axis=1)
+    near = np.linalg.norm(centre - [40, 40, 60], axis=1) < 16
+    write_mesh(
+        tmp_path / "case.vtu",
+        TetMesh(body.points, body.cells, near.astype(np.int32)),
+    )
+    (tmp_path / "kept").mkdir()
+    return tmp_path / "case.vtu"
+
+
+def sunk_pairs(path: Path, mesh: TetMesh, depth_mm: float = 3.0) -> Path:
+    """Pairs of points on the top, which has sunk most in the middle."""
+    before = mesh.points[mesh.point_set("loaded")]
+    away = np.linalg.norm(before[:, :2] - SIDE / 2, axis=1)
+    after = before - [0, 0, 1] * (depth_mm * np.exp(-((away / 25) ** 2)))[:, None]
+    np.savetxt(path, np.hstack([before, after]), delimiter=",")
+    return path
+
+
+def test_a_case_held_nowhere_is_opened_over_its_tumour(case: Path) -> None:
+    desk = CaseDesk(case)
+    assert "over the tumour" in desk.note
+    opened, held = (desk.mesh.point_set(name) for name in ("loaded", "fixed"))
+    assert (desk.mesh.points[opened, 2] == SIDE).all()
+    assert len(held) and not np.isin(opened, held).any()
+    desk.close()
+
+
+def test_a_case_with_sets_keeps_them(case: Path) -> None:
+    mesh = read_mesh(case).with_point_sets(fixed=np.arange(20))
+    write_mesh(case, mesh)
+    desk = CaseDesk(case)
+    np.testing.assert_array_equal(desk.mesh.point_set("fixed"), np.arange(20))
+    assert "click" not in desk.note
+    desk.close()
+
+
+def test_a_clicked_craniotomy_is_the_file_of_init(case: Path) -> None:
+    kept = case.parent / "kept"
+    desk = CaseDesk(case, kept)
+    beside = np.array([SIDE + 4.0, 38.0, 41.0])  # a click is on a round picture
+    assert desk.open(desk.opening(beside, 20.0)) == ["case.toml", "case.vtu"]
+    point = case.with_name("point.csv")
+    point.write_text("{},{},{}\n".format(*beside))
+    (case.parent / "theirs").mkdir()
+    init(case, case.parent / "theirs" / "case.toml", craniotomy=point, radius_mm=20.0)
+    theirs = (case.parent / "theirs" / "case.toml").read_text()
+    assert (kept / "case.toml").read_text() == theirs
+    mesh, _ = read_preset(kept / "case.toml").on(read_mesh(case))
+    for name in ("fixed", "loaded"):
+        np.testing.assert_array_equal(desk.mesh.point_set(name), mesh.point_set(name))
+        np.testing.assert_array_equal(
+            read_mesh(kept / "case.vtu").point_set(name), mesh.point_set(name)
+        )
+    desk.close()
+
+
+def test_what_is_kept_of_a_registration_is_what_the_command_writes(case: Path) -> None:
+    kept, scratch = case.parent / "kept", case.parent
+    desk = CaseDesk(case, kept)
+    pairs = sunk_pairs(scratch / "pairs.csv", desk.mesh)
+    shift = desk.register({"pairs": pairs}, scratch / "out.vtu", 1.0)
+    assert desk.save([shift]) == ["case.vtu", "registered.vtu"]
+    found = register(kept / "case.vtu", scratch / "command.vtu", points=pairs)
+    np.testing.assert_array_equal(
+        shift.prediction.displacement, found.prediction.displacement
+    )
+    assert (kept / "registered.vtu").read_bytes() == (
+        scratch / "command.vtu"
+    ).read_bytes()
+    assert shift.prediction.displacement[:, 2].min() < -1.0
+    assert desk.save([shift, shift])[1:] == ["registered-1.vtu", "registered-2.vtu"]
+    desk.close()
+
+
+def test_nothing_is_written_without_a_folder(case: Path) -> None:
+    desk = CaseDesk(case)
+    there = sorted(case.parent.iterdir())
+    assert desk.open(desk.opening(np.array([40.0, 40.0, SIDE]), 20.0)) == []
+    with pytest.raises(InputError, match="--save FOLDER"):
+        desk.save([])
+    assert sorted(case.parent.iterdir()) == there
+    desk.close()
+
+
+def test_the_packages_network_is_adapted_to_the_craniotomy(case: Path) -> None:
+    desk = CaseDesk(case)
+    desk.open(desk.opening(np.array([SIDE, 40.0, 40.0]), 20.0))
+    assert desk.adapts
+    network = Predictor.load(desk.adapt())
+    assert not desk.adapts and "adapted" in desk.note
+    opened = desk.mesh.point_set("loaded")
+    np.testing.assert_array_equal(network.body.fixed, desk.mesh.point_set("fixed"))
+    push = np.tile([-0.5 / len(opened), 0.0, 0.0], (len(opened), 1))
+    assert network(LoadCase(opened, push)).displacement[:, 0].min() < -0.1
+    desk.close()
+
+
+def test_a_network_needs_a_craniotomy_to_be_adapted_to(case: Path) -> None:
+    write_mesh(case, read_mesh(case).with_point_sets(fixed=np.arange(20)))
+    desk = CaseDesk(case)
+    assert not desk.adapts
+    with pytest.raises(InputError, match="click the craniotomy first"):
+        desk.adapt()
+    desk.close()
+
+
+def test_what_cannot_be_used_is_one_line(case: Path) -> None:
+    with pytest.raises(InputError, match="must name a folder that is there"):
+        CaseDesk(case, case.parent / "absent")
+    with pytest.raises(InputError, match="--save goes with a case"):
+        view(None, save=case.parent)
+    desk = CaseDesk(case)
+    bad = case.with_name("bad.csv")
+    bad.write_text("1,2,x\n")
+    for files in ({"pairs": bad}, {"after": bad}, {"pairs": bad, "before": bad}):
+        with pytest.raises(InputError) as error:
+            desk.register(files, case.with_name("out.vtu"), 1.0)
+        assert "\n" not in str(error.value)
+        assert not case.with_name("out.vtu").exists()
+    with pytest.raises(InputError, match="leave a part of the surface"):
+        desk.opening(np.array([40.0, 40.0, SIDE]), 2 * SIDE)
+    desk.close()
