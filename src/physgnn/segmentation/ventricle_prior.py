@@ -82,9 +82,7 @@ def ventricle_prior(image: Image, brain: BoolArray) -> Prior:
 
 
 @cache
-def _template() -> tuple[
-    Image, BoolArray, NDArray[np.float32], NDArray[np.float32]
-]:
+def _template() -> tuple[Image, BoolArray, NDArray[np.float32], NDArray[np.float32]]:
     """Return the T1, its brain, and the distances to ventricles and other fluid."""
     # nilearn takes seconds to import: only this function needs it
     from nilearn.datasets import (

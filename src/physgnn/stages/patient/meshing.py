@@ -22,6 +22,7 @@ def mesh(
     segmentation: str | Path | None = None,
     labels: str = "mask",
     brain_mask: str | Path | None = None,
+    ventricles: str | Path | None = None,
     smoothing_mm: float | None = None,
     closing_mm: float | None = None,
     brain: str | Path | None = None,
@@ -48,7 +49,7 @@ def mesh(
     segmentation : path, optional
         Label map, see `physgnn.io.medical.images.formats`, or a mesh of tetrahedra, see
         `physgnn.stages.patient.mesh_files`; or else `brain`, or `mni152`.
-    labels, brain_mask, smoothing_mm, closing_mm
+    labels, brain_mask, ventricles, smoothing_mm, closing_mm
         How the label map is read: see
         `physgnn.stages.patient.segmentation.mesh_segmentation`.
     brain : path, optional
@@ -95,6 +96,8 @@ def mesh(
     from physgnn.stages.patient.surface_meshing import mesh_surfaces
 
     check_folder(Path(out))
+    if ventricles is not None and (segmentation is None or is_mesh_file(segmentation)):
+        raise InputError("--ventricles needs a label map, which gets them from the T1")
     if [mni152, brain is not None, segmentation is not None].count(True) != 1:
         raise InputError("give a label map, --brain, or --mni152 for the bundled case")
     shared: dict[str, Any] = {
@@ -121,6 +124,7 @@ def mesh(
             segmentation,
             labels,
             brain_mask=brain_mask,
+            ventricles=ventricles,
             target_points=(
                 MESHED_LABELS_POINTS if target_points is None else target_points
             ),
