@@ -17,8 +17,8 @@ SHORTEST_MM, LONGEST_MM = 75.0, 230.0
 ROUND = 0.8
 # Of a mask's surface, what may lie on the faces of the image.
 CUT = 0.25
-# Folds of cortex: the standard deviation of what is finer than COARSE_MM and coarser
-# than FINE_MM, in parts of the median intensity. Brains have 0.08 to 0.09.
+# Folds of cortex: the spread, as a standard deviation, of what is finer than COARSE_MM
+# and coarser than FINE_MM, in parts of the median intensity.
 FINE_MM, COARSE_MM, CORE_MM, FOLDS = 2.0, 8.0, 6.0, 0.04
 STEP_MM = 2.0
 REMEDY = "give a T1, T1c, T2 or FLAIR of a head, or pass --any-size (any_size=True)"
@@ -106,4 +106,7 @@ def _folds(values: FloatArray, brain: BoolArray, voxel: float) -> float:
         inside = ndimage.gaussian_filter(np.where(brain, values, 0.0), length / voxel)
         blurred.append(inside[core] / share[core])
     middle = float(np.median(values[core])) - min(float(values.min()), 0.0)
-    return float((blurred[0] - blurred[1]).std()) / max(middle, 1e-12)
+    # of a normal distribution, half of this range is the standard deviation; what a
+    # mask takes in of the skull does not count
+    low, high = np.percentile(blurred[0] - blurred[1], (16.0, 84.0))
+    return float(high - low) / 2.0 / max(middle, 1e-12)

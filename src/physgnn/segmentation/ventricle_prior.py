@@ -2,8 +2,8 @@
 
 The template comes inside nilearn's wheel, with maps of how much grey and white matter
 each voxel holds (Fonov et al., NeuroImage 54, 2011). What is neither, inside of its
-brain, is fluid. What holds `BODIES_MM` or lies in `BALLS_MM` is ventricle, all other fluid is
-fissures, sulci and cisterns.
+brain, is fluid. What holds `BODIES_MM` or lies in `BALLS_MM` is ventricle; all other
+fluid is in fissures, sulci and cisterns.
 """
 
 from dataclasses import dataclass

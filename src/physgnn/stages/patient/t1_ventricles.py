@@ -55,9 +55,10 @@ def with_t1_ventricles(
 
     named = table.labels.get("ventricle", ())
     if not table.needs_mask and np.isin(labels.data, named).any():
+        own = "+".join(map(str, named))
         raise InputError(
-            f"the label map has ventricles of its own (label {'+'.join(map(str, named))}"
-            "): leave --ventricles out"
+            f"the label map has ventricles of its own (label {own}): leave "
+            "--ventricles out"
         )
     t1 = read_image(path, affine=affine, log=log)
     same = t1.data.shape == labels.data.shape
