@@ -15,15 +15,6 @@ from physgnn.io import read_mesh
 from physgnn.stages import mesh
 from physgnn.stages.patient.t1_ventricles import with_t1_ventricles
 
-# ../shared beside a checkout of the repository or of one of its worktrees
-REAL = next(
-    (
-        folder / "shared" / "real"
-        for folder in Path(__file__).parents
-        if (folder / "shared" / "real").exists()
-    ),
-    Path("shared/real"),
-)
 TUMOUR_MM, RADIUS, OEDEMA = (20.0, -30.0, 30.0), 10.0, 16.0
 
 
@@ -102,9 +93,13 @@ def test_mesh_has_them(case: tuple[Path, Path], tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not REAL.exists(), reason="the glioma of shared/real is not here")
-def test_glioma_keeps_its_tumour() -> None:
-    t1, labels = REAL / "glioma_t1_brain.nii.gz", REAL / "glioma_segmentation.nii.gz"
+def test_glioma_keeps_its_tumour(shared: Path) -> None:
+    t1, labels = (
+        shared / "real" / f"glioma_{name}.nii.gz"
+        for name in ("t1_brain", "segmentation")
+    )
+    if not (t1.exists() and labels.exists()):
+        pytest.skip("the glioma of shared/real is not here")
     before, table = with_mask(labels, t1), label_table("brats-2020")
     after, named = with_t1_ventricles(before, table, t1)
     volumes = label_volumes(after)
