@@ -155,4 +155,5 @@ def _registered(fixed: sitk.Image, moving: sitk.Image) -> sitk.Transform:
     method.SetShrinkFactorsPerLevel(SHRINK)
     method.SetSmoothingSigmasPerLevel((0.0,) * len(SHRINK))
     method.SetInitialTransform(start, inPlace=False)
-    return method.Execute(fixed, moving)
+    found: sitk.Transform = method.Execute(fixed, moving)
+    return found

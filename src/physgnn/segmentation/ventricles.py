@@ -124,7 +124,8 @@ def _parted(fluid: BoolArray, prior: Prior, voxel_mm: FloatArray) -> BoolArray:
     markers[fluid & (other < SURE) & (near > APART)] = OTHER
     markers[fluid & (near > MAY)] = OTHER
     markers[fluid & (near < SURE) & (other > near)] = VENTRICLE
-    found = watershed(-width, markers, mask=fluid) == VENTRICLE
+    parts = watershed(-width, markers, mask=fluid)  # type: ignore[no-untyped-call]
+    found = parts == VENTRICLE
     pieces, n = ndimage.label(found)
     sizes = np.bincount(pieces.ravel(), minlength=n + 1) * voxel_mm.prod()
     kept = sizes >= SMALLEST_MM3
