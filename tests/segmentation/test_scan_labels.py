@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from heads import head, seen, template
@@ -42,12 +43,20 @@ def test_stripped_scan_is_used_as_it_is_and_has_its_ventricles() -> None:
     assert "stripped" in " ".join(lines)
     assert dice(found.data != 0, truth) > 0.99
     ml = (found.data == VENTRICLE_LABEL).sum() / 1000.0
-    assert 15.0 < ml < 35.0
-    # the atrium, where atlases have it
-    for place in ([25.0, -42.0, 12.0],):
-        i, j, k = np.rint(scan.grid.to_index(np.array([place]))[0]).astype(int)
-        near = found.data[i - 4 : i + 5, j - 4 : j + 5, k - 4 : k + 5]
-        assert (near == VENTRICLE_LABEL).any(), place
+    assert 15.0 < ml < 30.0
+    # bodies, frontal horns, atria and the fourth ventricle, where atlases have them
+    for side in (-1.0, 1.0):
+        for place in ([10, 5, 20], [10, 22, 6], [25, -42, 12], [0, -46, -33]):
+            where = np.array([place]) * (side, 1.0, 1.0)
+            i, j, k = np.rint(scan.grid.to_index(where)[0]).astype(int)
+            near = found.data[i - 4 : i + 5, j - 4 : j + 5, k - 4 : k + 5]
+            assert (near == VENTRICLE_LABEL).any(), where
+    # both sides alike, as the template is, and nothing of the Sylvian fissures
+    places = scan.grid.to_world(np.argwhere(found.data == VENTRICLE_LABEL))
+    assert 0.4 < (places[:, 0] < 0).mean() < 0.6
+    assert np.abs(places[:, 0]).max() < 40.0
+    depth = ndimage.distance_transform_edt(truth)
+    assert (depth[found.data == VENTRICLE_LABEL] < 12.0).mean() < 0.02
 
 
 @pytest.mark.slow

@@ -47,6 +47,13 @@ def mesh(
             "mark the tumour alone."
         ),
     ] = None,
+    ventricles: Annotated[
+        Path | None,
+        typer.Option(
+            help="A T1 with the voxels of the label map, in which ventricles are "
+            "found, for label maps that have none."
+        ),
+    ] = None,
     smoothing_mm: Annotated[
         float | None,
         typer.Option(
@@ -141,6 +148,7 @@ def mesh(
             segmentation=segmentation,
             labels=labels,
             brain_mask=brain_mask,
+            ventricles=ventricles,
             smoothing_mm=smoothing_mm,
             closing_mm=closing_mm,
             smallest_mm3=smallest_mm3,

@@ -8,7 +8,7 @@ from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.regions import REGIONS
 from physgnn.segmentation.orientation import mask_on, upright
 
-COLOURS = {1: "tab:orange", 2: "tab:red", 3: "tab:cyan"}
+COLOURS = {1: "tab:orange", 2: "red", 3: "tab:cyan"}
 # Index axis normal to the plane; the others run right and up.
 PLANES = {"sagittal": 0, "coronal": 1, "axial": 2}
 PANEL_INCHES, PER_CENT = 3.4, (1.0, 99.5)
@@ -55,7 +55,7 @@ def outlines(image: Image, labels: LabelVolume, title: str) -> Figure:
             for label, mask in masks.items():
                 part = np.take(mask, at, axis).T
                 if part.any() and not part.all():
-                    panel.contour(part, [0.5], colors=COLOURS[label], linewidths=0.9)
+                    panel.contour(part, [0.5], colors=COLOURS[label], linewidths=1.2)
             panel.set_title(f"{name}, {cubes.affine[axis, 3] + at:.0f} mm", fontsize=9)
             panel.set_axis_off()
     handles = [

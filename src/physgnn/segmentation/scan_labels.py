@@ -11,6 +11,7 @@ from physgnn.geometry.plausibility import check_volume_ml
 from physgnn.geometry.segmentation.label_tables import SEGMENTED
 from physgnn.progress import Log, no_log
 from physgnn.segmentation.backends import AUTO, BACKENDS, chosen
+from physgnn.segmentation.brain_checks import check_brain
 from physgnn.segmentation.contrasts import FLUID_IS_BRIGHT
 from physgnn.segmentation.orientation import mask_on, upright
 from physgnn.segmentation.scan_checks import check_scan
@@ -38,7 +39,7 @@ class SegmentOptions:
     ventricles : bool
         Whether they are looked for.
     any_size : bool
-        Whether the brain may have less than 50 or more than 2500 ml.
+        Whether what is found may be no brain by its size, shape and tissue.
     """
 
     backend: str = AUTO
@@ -98,6 +99,8 @@ def segment(
     mm3 = float(brain.sum()) * cubes.grid.voxel_volume_mm3
     for line in check_volume_ml(mm3, "brain found", any_size=options.any_size):
         log(line)
+    if not options.any_size:
+        check_brain(cubes, brain)
     if tumour is not None:
         given = mask_on(cubes.grid, tumour, image.affine)
         grown = brain & given

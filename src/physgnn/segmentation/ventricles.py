@@ -1,4 +1,4 @@
-"""Ventricles by their intensity: the thick, deep fluid of a brain."""
+"""Ventricles: fluid by its intensity, where the template's ventricles are."""
 
 from dataclasses import dataclass
 
@@ -6,25 +6,27 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.filters import threshold_multiotsu
+from skimage.segmentation import watershed
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.image import Image
+from physgnn.segmentation.ventricle_prior import Prior, ventricle_prior
 
 SMOOTHING_VOXELS = 0.5
-# Depths below the brain's surface as fractions of the largest: where fluid may be
-# ventricle, and where each piece must reach.
-MAY, MUST = 0.28, 0.6
-# A core is fluid that holds balls of this radius, mm. Sulci, fissures and cisterns are
-# thinner. Walls and horns within GROWN voxels of a core belong to it.
-CORE_MM, GROWN = 3.0, 2
-SMALLEST_CORE_MM3 = 300.0
+# Distances from the template's ventricles, mm: where intensities are looked at, where
+# fluid is ventricle for sure, and where it may be. Large ventricles reach that far.
+LOOKED_AT, SURE, MAY = 10.0, 2.0, 15.0
+# The template's other fluid is other fluid for sure where it is so far from ventricles.
+APART = 6.0
+# Pieces of less are noise.
+SMALLEST_MM3 = 50.0
 # Dark fluid has at most this fraction of the white matter's intensity above the
 # background; bright fluid has at least the inverse.
 DARK = 0.75
 # What a person's ventricles have together.
 PLAUSIBLE_ML = (5.0, 150.0)
 FEWEST = 1000  # voxels, for a histogram
-FACES = ndimage.generate_binary_structure(3, 1)
+OTHER, VENTRICLE = 1, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +50,9 @@ def find_ventricles(
 ) -> Ventricles:
     """Find the ventricles in an upright image of cubes.
 
-    Otsu's method with three classes (fluid, grey, white) is applied to the deep part of
-    the brain, where there is little else. Of the fluid, what is thick and deep is kept.
+    Otsu's method with three classes (fluid, grey, white) is applied around the
+    template's ventricles, where there is little else. Watersheds of the fluid's width
+    part the ventricles from fissures and cisterns that touch them.
 
     Parameters
     ----------
@@ -63,24 +66,26 @@ def find_ventricles(
         As in T2; dark in T1 and FLAIR.
     """
     nothing = np.zeros_like(brain)
-    depth = ndimage.distance_transform_edt(brain, sampling=image.grid.voxel_mm)
+    if brain.sum() < FEWEST:
+        return Ventricles(nothing, "the brain has too few voxels")
     values = ndimage.gaussian_filter(
         np.asarray(image.data, np.float32), SMOOTHING_VOXELS
     )
-    deep = brain & (depth > MAY * depth.max())
+    prior = ventricle_prior(image, brain & ~but)
+    looked_at = brain & ~but & (prior.to_ventricles < LOOKED_AT)
     limit, reason = _fluid_limit(
-        values[deep & ~but], float(values.min()), fluid_is_bright
+        values[looked_at], float(values.min()), fluid_is_bright
     )
     if reason:
         return Ventricles(nothing, reason)
     fluid = values > limit if fluid_is_bright else values < limit
-    mask = _thick(deep & fluid & ~but, depth, image.grid.voxel_mm)
+    mask = _parted(brain & fluid & ~but, prior, image.grid.voxel_mm)
     ml = float(mask.sum()) * image.grid.voxel_volume_mm3 / 1000.0
     low, high = PLAUSIBLE_ML
     if not low <= ml <= high:
         return Ventricles(
             nothing,
-            f"the thick, deep fluid has {ml:.1f} ml, where ventricles have {low:g} to "
+            f"the fluid there has {ml:.1f} ml, where ventricles have {low:g} to "
             f"{high:g} ml",
         )
     return Ventricles(mask)
@@ -91,7 +96,7 @@ def _fluid_limit(
 ) -> tuple[float, str]:
     """Return where fluid ends, or why the intensities do not tell."""
     if len(values) < FEWEST:
-        return 0.0, "the brain has too few voxels"
+        return 0.0, "nothing of the brain is where the template has ventricles"
     low, high = np.percentile(values, (0.1, 99.5))
     kept = values[(values >= low) & (values <= high)]
     if low >= high:
@@ -111,16 +116,18 @@ def _fluid_limit(
     return float(second if bright else first), ""
 
 
-def _thick(may: BoolArray, depth: FloatArray, voxel_mm: FloatArray) -> BoolArray:
-    """Return the deep pieces of an opening by a ball, and what adjoins them."""
-    seed = ndimage.distance_transform_edt(may, sampling=voxel_mm) > CORE_MM
-    if not seed.any():
-        return np.zeros_like(may)
-    near = ndimage.distance_transform_edt(~seed, sampling=voxel_mm) <= CORE_MM
-    pieces, n = ndimage.label(near & may, FACES)
+def _parted(fluid: BoolArray, prior: Prior, voxel_mm: FloatArray) -> BoolArray:
+    """Return the fluid whose watershed is a ventricle, in pieces that start there."""
+    near, other = prior.to_ventricles, prior.to_other_fluid
+    width = ndimage.distance_transform_edt(fluid, sampling=voxel_mm)
+    markers = np.zeros(fluid.shape, np.int32)
+    markers[fluid & (other < SURE) & (near > APART)] = OTHER
+    markers[fluid & (near > MAY)] = OTHER
+    markers[fluid & (near < SURE) & (other > near)] = VENTRICLE
+    parts = watershed(-width, markers, mask=fluid)  # type: ignore[no-untyped-call]
+    found = parts == VENTRICLE
+    pieces, n = ndimage.label(found)
     sizes = np.bincount(pieces.ravel(), minlength=n + 1) * voxel_mm.prod()
-    reach = np.asarray(ndimage.maximum(depth, pieces, np.arange(n + 1)))
-    chosen = (sizes >= SMALLEST_CORE_MM3) & (reach > MUST * depth.max())
-    chosen[0] = False
-    grown = ndimage.binary_dilation(chosen[pieces], FACES, GROWN, mask=may)
-    return np.asarray(ndimage.binary_fill_holes(grown), dtype=bool)
+    kept = sizes >= SMALLEST_MM3
+    kept[0] = False
+    return np.asarray(ndimage.binary_fill_holes(kept[pieces]), dtype=bool)

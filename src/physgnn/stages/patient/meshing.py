@@ -25,6 +25,7 @@ def mesh(
     segmentation: str | Path | None = None,
     labels: str = "mask",
     brain_mask: str | Path | None = None,
+    ventricles: str | Path | None = None,
     smoothing_mm: float | None = None,
     closing_mm: float | None = None,
     smallest_mm3: float = SMALLEST_MM3,
@@ -54,7 +55,7 @@ def mesh(
     segmentation : path, optional
         Label map, see `physgnn.io.medical.images.formats`, or a mesh of tetrahedra, see
         `physgnn.stages.patient.mesh_files`; or else `brain`, or `mni152`.
-    labels, brain_mask, smoothing_mm, closing_mm, smallest_mm3
+    labels, brain_mask, ventricles, smoothing_mm, closing_mm, smallest_mm3
         How the label map is read: see
         `physgnn.stages.patient.segmentation.mesh_segmentation`.
     brain : path, optional
@@ -107,6 +108,8 @@ def mesh(
     from physgnn.stages.patient.surface_meshing import mesh_surfaces
 
     check_folder(Path(out))
+    if ventricles is not None and (segmentation is None or is_mesh_file(segmentation)):
+        raise InputError("--ventricles needs a label map, which gets them from the T1")
     if [mni152, brain is not None, segmentation is not None].count(True) != 1:
         raise InputError("give a label map, --brain, or --mni152 for the bundled case")
     kept = keep_surface or (segmentation is None and target_points is None)
@@ -135,6 +138,7 @@ def mesh(
             segmentation,
             labels,
             brain_mask=brain_mask,
+            ventricles=ventricles,
             target_points=(
                 MESHED_LABELS_POINTS if target_points is None else target_points
             ),

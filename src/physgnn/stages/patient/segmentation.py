@@ -35,6 +35,7 @@ from physgnn.io.medical.images.formats import read_image, read_segmentation
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log
 from physgnn.stages.patient.surface_meshing import mesh_surfaces
+from physgnn.stages.patient.t1_ventricles import with_t1_ventricles
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class LabelOptions:
 
     Parameters
     ----------
-    brain_mask : path, optional
+    brain_mask, ventricles : path, optional
         See `mesh_segmentation`.
     affine : str, optional
         "sform" or "qform", where the two disagree.
@@ -54,6 +55,7 @@ class LabelOptions:
     """
 
     brain_mask: str | Path | None = None
+    ventricles: str | Path | None = None
     affine: str | None = None
     series: str | None = None
     ignore_labels: bool = False
@@ -86,6 +88,8 @@ def mesh_segmentation(
     **options
         ``brain_mask``: image, not 0 in the brain, which fills what has no label;
         label maps of tumours alone need it (BraTS; the skull-stripped T1 will do).
+        ``ventricles``: T1 on the same voxels, in which ventricles are looked for where
+        the map, with its mask, has brain; a tumour and what surrounds it stay.
         ``affine``: "sform" or "qform", where the two disagree. ``series``: UID of a
         DICOM series. ``ignore_labels=True``:
         labels that are not named may be left out. ``any_size=True``: the brain may have
@@ -151,6 +155,10 @@ def _label_map(
             f"label maps of the convention {name} mark the tumour alone, so they need "
             "the brain too: give --brain-mask (brain_mask=…), such as the "
             "skull-stripped T1"
+        )
+    if read.ventricles is not None:
+        volume, table = with_t1_ventricles(
+            volume, table, read.ventricles, affine=read.affine, log=log
         )
     volumes = label_volumes(volume)
     if labels not in LABEL_TABLES:  # a convention has labels that a patient has not
