@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from pydantic import TypeAdapter
 
@@ -19,7 +19,9 @@ from physgnn.io.untrusted.input_errors import reading
 
 FORMAT, VERSION = "physgnn-benchmark", 1
 LARGEST_BYTES = 16 * 2**20  # a result takes a few kilobytes
-MEASURED, NOT_APPLICABLE, FAILED = "measured", "not applicable", "failed"
+MEASURED: Final = "measured"
+NOT_APPLICABLE: Final = "not applicable"
+FAILED: Final = "failed"
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ class Identity:
 
     task: str
     version: int
-    size: Literal["tiny", "full"]
+    size: str
     method: str
     options: Mapping[str, Any]
     origin: str

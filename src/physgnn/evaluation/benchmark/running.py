@@ -253,7 +253,7 @@ def _without_bounds(checkpoint: Checkpoint) -> Predict:
 
 
 def _checking(row: Row, n_points: int) -> Any:
-    """Return a row's maker whose predictions are refused if they are no displacement."""
+    """Return a row's maker that refuses predictions that are no displacement."""
 
     def make() -> Predict:
         predict = row.make()

@@ -40,7 +40,7 @@ class Outcome:
         return [result for result in self.results if result.status == "failed"]
 
     def __str__(self) -> str:
-        """What there is to say of it, a line each."""
+        """Return what there is to say of it, a line each."""
         lines = [_line(result) for result in self.results]
         lines += [f"{task}: not run, {why}" for task, why in self.not_run.items()]
         return "\n".join([*lines, *([str(self.page)] if self.page else [])])
