@@ -1,4 +1,4 @@
-"""The benchmark, tiny: every method, resumed, with strangers and failures among them."""
+"""The benchmark, tiny: every method, resumed, strangers and failures among them."""
 
 import json
 import sys
@@ -151,7 +151,8 @@ def test_all_methods_in_five_minutes(folder: Path, tmp_path: Path) -> None:
     outcome = pg.benchmark(folder, task=TASK)
     assert time.process_time() - begun < 60 * PROCESSOR_MINUTES
     assert [result.identity.method for result in outcome.results] == [*method_names()]
-    assert {result.status for result in outcome.results} == {"measured"}
+    without = {r.identity.method for r in outcome.results if r.status != "measured"}
+    assert without == {"interpolation"}  # whole load paths are held out
     found = {r.identity.method: r for r in outcome.results}
     mean = {k: r.errors.all_points.mean for k, r in found.items() if r.errors}
     assert mean["repaired"] < 0.1  # mm: what it was repaired to
