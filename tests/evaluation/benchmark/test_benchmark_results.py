@@ -16,7 +16,7 @@ from physgnn.evaluation.benchmark.peak_memory import PeakMemory
 from physgnn.evaluation.benchmark.result import (
     Errors,
     Identity,
-    Result,
+    BenchmarkResult,
     read_results,
 )
 from physgnn.evaluation.benchmark.table import by_task, page
@@ -40,10 +40,10 @@ def identity(method: str, task: str = "dataset-2-paths") -> Identity:
     )
 
 
-def result(method: str, mean: float, **fields: Any) -> Result:
+def result(method: str, mean: float, **fields: Any) -> BenchmarkResult:
     errors = Distribution(mean, mean, mean, 2 * mean, 3 * mean, 9 * mean, 0.9)
     tumour = Distribution(7.0, 0.0, 7.0, 7.0, 7.0, 7.0, 0.0)
-    return Result(
+    return BenchmarkResult(
         identity(method, fields.pop("task", "dataset-2-paths")),
         "measured",
         errors=Errors(errors, errors, tumour, 5 * mean, 0.1, 8),
@@ -60,7 +60,7 @@ def test_it_comes_back_from_its_file_as_it_was(tmp_path: Path) -> None:
     made = result("physgnn", 0.3, curve=((0.05, 1.0), (0.1, 0.4)))
     file = made.write(tmp_path)
     assert file == made.identity.file(tmp_path)
-    assert Result.read(file) == made
+    assert BenchmarkResult.read(file) == made
     assert read_results(tmp_path) == [made]
 
 
@@ -111,7 +111,7 @@ def test_a_file_that_is_no_result_is_named(
     assert str(file) in str(error.value)
     file.write_bytes(b'{"format": "phys')
     with pytest.raises(InputError, match=r"cannot be read.*"):
-        Result.read(file)
+        BenchmarkResult.read(file)
 
 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
@@ -128,7 +128,7 @@ def test_the_page_says_first_where_networks_lose() -> None:
         result("physgnn", 0.3, curve=curve),
         result("lifted", 0.1, curve=curve),
         result("mlp", 0.5),  # is fitted in one go
-        Result(identity("svr"), "failed", reason="it burst"),
+        BenchmarkResult(identity("svr"), "failed", reason="it burst"),
     ]
     text = page(rows, "benchmark.svg", "physgnn benchmark --report r -o p")
     loses, tables = text.split("## dataset-2-paths")

@@ -15,7 +15,7 @@ from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.evaluation.benchmark import running
 from physgnn.evaluation.benchmark.methods import method_names
-from physgnn.evaluation.benchmark.result import Result
+from physgnn.evaluation.benchmark.result import BenchmarkResult
 from physgnn.evaluation.benchmark.tasks import BELOW_N, TASKS, TONUTTI
 from physgnn.geometry.meshing import tetgen_process
 from physgnn.mechanics.body import Body
@@ -263,4 +263,4 @@ def test_a_damaged_result_is_named(folder: Path, tmp_path: Path) -> None:
     place.mkdir()
     (place / "linear-0.json").write_text(json.dumps({"format": "physgnn-benchmark"}))
     with pytest.raises(InputError, match=r"linear-0\.json"):
-        Result.read(place / "linear-0.json")
+        BenchmarkResult.read(place / "linear-0.json")

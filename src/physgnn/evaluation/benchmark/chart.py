@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from physgnn.evaluation.benchmark.result import Result
+from physgnn.evaluation.benchmark.result import BenchmarkResult
 from physgnn.evaluation.benchmark.table import by_task, ranked
 from physgnn.evaluation.measure.distribution import Distribution
 from physgnn.evaluation.report.style import LIGHT, colour, label
@@ -18,7 +18,7 @@ LEGEND_COLUMNS = 4
 LEAST_MINUTES, LEAST_MS, LEAST_MM = 1e-4, 1e-3, 1e-4  # what is less is drawn there
 
 
-def draw_benchmark(results: Sequence[Result], path: Path) -> None:
+def draw_benchmark(results: Sequence[BenchmarkResult], path: Path) -> None:
     """Draw a row of two charts for each task and size.
 
     Left: mean error over the time of a prediction. Right: mean error over processor
@@ -26,7 +26,7 @@ def draw_benchmark(results: Sequence[Result], path: Path) -> None:
 
     Parameters
     ----------
-    results : sequence of Result
+    results : sequence of BenchmarkResult
         Of any tasks and sizes.
     path : path
         SVG or PNG to write, whole or not at all.
@@ -57,7 +57,7 @@ def draw_benchmark(results: Sequence[Result], path: Path) -> None:
 
 
 def _draw(
-    time: Axes, budget: Axes, found: Sequence[tuple[Result, Distribution]]
+    time: Axes, budget: Axes, found: Sequence[tuple[BenchmarkResult, Distribution]]
 ) -> dict[str, Line2D]:
     known = {}
     for row, errors in found:

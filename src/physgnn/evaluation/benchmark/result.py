@@ -110,7 +110,7 @@ class Identity:
 
 
 @dataclass(frozen=True)
-class Result:
+class BenchmarkResult:
     """What a method reached on a task.
 
     Attributes
@@ -162,7 +162,7 @@ class Result:
         return file
 
     @classmethod
-    def read(cls, file: Path) -> "Result":
+    def read(cls, file: Path) -> "BenchmarkResult":
         """Read what `write` wrote.
 
         Raises
@@ -193,7 +193,7 @@ def _refused(constant: str) -> float:
     raise InputError(f"a result has finite numbers only (got {constant})")
 
 
-def read_results(folder: Path) -> list[Result]:
+def read_results(folder: Path) -> list[BenchmarkResult]:
     """Return all results of a folder, by task and name of file.
 
     Raises
@@ -203,7 +203,7 @@ def read_results(folder: Path) -> list[Result]:
     """
     folders = [folder / f"{task}-{size}" for task in TASKS for size in SIZES]
     files = [file for each in folders for file in sorted(each.glob("*.json"))]
-    results = [Result.read(file) for file in files]
+    results = [BenchmarkResult.read(file) for file in files]
     if not results:
         raise InputError(
             f"{folder} holds no results of physgnn benchmark: make some with "
@@ -217,4 +217,4 @@ def is_finite(errors: ModelErrors) -> bool:
     return math.isfinite(errors.euclidean.mean + errors.euclidean.largest)
 
 
-_ADAPTER: TypeAdapter[Result] = TypeAdapter(Result)
+_ADAPTER: TypeAdapter[BenchmarkResult] = TypeAdapter(BenchmarkResult)

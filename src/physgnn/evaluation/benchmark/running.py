@@ -28,7 +28,7 @@ from physgnn.evaluation.benchmark.result import (
     NOT_APPLICABLE,
     Errors,
     Identity,
-    Result,
+    BenchmarkResult,
     is_finite,
 )
 from physgnn.evaluation.benchmark.tasks import TASKS
@@ -89,7 +89,7 @@ class TaskData:
 
 
 @dataclass(frozen=True, eq=False)
-class Job:
+class MethodOnTask:
     """One method on one task.
 
     Attributes
@@ -143,24 +143,24 @@ class Job:
         return identity.file(self.runs).with_suffix("")
 
 
-def run_job(job: Job, *, progress: Progress | None = None) -> Result:
+def run_job(job: MethodOnTask, *, progress: Progress | None = None) -> BenchmarkResult:
     """Train or fit a method, and measure it; whatever it raises makes it failed.
 
     A training that was interrupted goes on.
 
     Parameters
     ----------
-    job : Job
+    job : MethodOnTask
         What to do.
     progress : callable, optional
         Called with (done, total, text).
 
     Returns
     -------
-    Result
+    BenchmarkResult
         Errors, or the reason why there are none.
     """
-    empty = Result(
+    empty = BenchmarkResult(
         job.identity, NOT_APPLICABLE, versions=_versions(), machine=_machine()
     )
     reason = _not_applicable(job)
@@ -172,7 +172,7 @@ def run_job(job: Job, *, progress: Progress | None = None) -> Result:
         return replace(empty, status=FAILED, reason=_line(error))
 
 
-def _not_applicable(job: Job) -> str:
+def _not_applicable(job: MethodOnTask) -> str:
     data, held_out = job.data, job.data.held_out
     if issubclass(job.kind, Network) and data.split.name == MESH:
         other = job.kind.share_weights is not Network.share_weights
@@ -184,7 +184,9 @@ def _not_applicable(job: Job) -> str:
     return ""
 
 
-def _measured(job: Job, empty: Result, progress: Progress | None) -> Result:
+def _measured(
+    job: MethodOnTask, empty: BenchmarkResult, progress: Progress | None
+) -> BenchmarkResult:
     with PeakMemory() as memory:
         if issubclass(job.kind, Network):
             minutes, predictor = _trained(job, progress)
@@ -211,13 +213,13 @@ def _measured(job: Job, empty: Result, progress: Progress | None) -> Result:
     )
 
 
-def _fitted(job: Job) -> Predict:
+def _fitted(job: MethodOnTask) -> Predict:
     surrogate = build_model(job.method.model, job.data.store.body, **job.method.options)
     surrogate.fit(job.data.store, job.data.held_out.train, job.seed)
     return Predictor(surrogate)
 
 
-def _trained(job: Job, progress: Progress | None) -> tuple[float, Predict]:
+def _trained(job: MethodOnTask, progress: Progress | None) -> tuple[float, Predict]:
     """Train a network, or go on with it; return its minutes and its predictor."""
     stores, splits = job.data.trained_on
     method, run = job.method, RunFolder(job.run)

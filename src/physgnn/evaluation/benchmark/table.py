@@ -3,7 +3,12 @@
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 
-from physgnn.evaluation.benchmark.result import FAILED, MEASURED, NOT_APPLICABLE, Result
+from physgnn.evaluation.benchmark.result import (
+    FAILED,
+    MEASURED,
+    NOT_APPLICABLE,
+    BenchmarkResult,
+)
 from physgnn.evaluation.benchmark.tasks import TASKS
 from physgnn.evaluation.measure.distribution import Distribution
 from physgnn.evaluation.report.formats import NONE, minutes, mm, percent
@@ -17,12 +22,12 @@ HEAD = (
 )  # fmt: skip
 
 
-def page(results: Sequence[Result], chart: str, command: str) -> str:
+def page(results: Sequence[BenchmarkResult], chart: str, command: str) -> str:
     """Return the page of a benchmark.
 
     Parameters
     ----------
-    results : sequence of Result
+    results : sequence of BenchmarkResult
         Of any tasks and sizes.
     chart : str
         The name of the figure's file, beside the page.
@@ -51,7 +56,9 @@ def page(results: Sequence[Result], chart: str, command: str) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def by_task(results: Sequence[Result]) -> dict[tuple[str, str], list[Result]]:
+def by_task(
+    results: Sequence[BenchmarkResult],
+) -> dict[tuple[str, str], list[BenchmarkResult]]:
     """Return the results of the present versions, a list for each task and size."""
     known = [
         r
@@ -68,7 +75,9 @@ def by_task(results: Sequence[Result]) -> dict[tuple[str, str], list[Result]]:
     return {key: rows for key, rows in groups.items() if rows}
 
 
-def ranked(rows: Sequence[Result]) -> list[tuple[Result, Distribution]]:
+def ranked(
+    rows: Sequence[BenchmarkResult],
+) -> list[tuple[BenchmarkResult, Distribution]]:
     """Return the measured results with the errors that rank them, the best first."""
     found = [
         (row, row.errors.over(TASKS[row.identity.task].over))
@@ -87,7 +96,7 @@ def _commands(groups: Iterable[tuple[str, str]], command: str) -> str:
     return "\n".join(["```bash", *lines, command, "```"])
 
 
-def _losses(groups: dict[tuple[str, str], list[Result]]) -> Iterator[str]:
+def _losses(groups: dict[tuple[str, str], list[BenchmarkResult]]) -> Iterator[str]:
     """Yield a line for each task and method without training that networks lose to."""
     for (task, size), rows in groups.items():
         found = ranked(rows)
@@ -105,7 +114,7 @@ def _losses(groups: dict[tuple[str, str], list[Result]]) -> Iterator[str]:
                 )
 
 
-def _section(task: str, size: str, rows: Sequence[Result]) -> str:
+def _section(task: str, size: str, rows: Sequence[BenchmarkResult]) -> str:
     about, found = TASKS[task], ranked(rows)
     parts = [f"## {task}, version {about.version}, {size}", _prose(about.about)]
     if size == "tiny":
@@ -128,13 +137,13 @@ def _section(task: str, size: str, rows: Sequence[Result]) -> str:
     return "\n\n".join(parts)
 
 
-def _table(found: Sequence[tuple[Result, Distribution]]) -> str:
+def _table(found: Sequence[tuple[BenchmarkResult, Distribution]]) -> str:
     lines = ["| " + " | ".join(HEAD) + " |", "|---" + "|---:" * (len(HEAD) - 1) + "|"]
     lines += ["| " + " | ".join(_cells(row, errors)) + " |" for row, errors in found]
     return "\n".join(lines)
 
 
-def _cells(row: Result, errors: Distribution) -> list[str]:
+def _cells(row: BenchmarkResult, errors: Distribution) -> list[str]:
     whole, seed = row.errors, row.identity.seed
     assert whole is not None  # ranked has the measured alone
     regions = (whole.loaded_region, whole.tumour)
@@ -151,7 +160,7 @@ def _cells(row: Result, errors: Distribution) -> list[str]:
     ]
 
 
-def _provenance(rows: Sequence[Result]) -> str:
+def _provenance(rows: Sequence[BenchmarkResult]) -> str:
     first = next((r for r in rows if r.status == MEASURED), rows[0])
     what, machine = first.identity, first.machine
     given = sorted({r.identity.processor_minutes or 0.0 for r in rows} - {0.0})

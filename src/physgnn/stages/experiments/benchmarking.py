@@ -9,20 +9,20 @@ from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.experiments.benchmark_data import NotAtHandError, task_data
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
-    from physgnn.evaluation.benchmark.result import Result
-    from physgnn.evaluation.benchmark.running import Job, TaskData
+    from physgnn.evaluation.benchmark.result import BenchmarkResult
+    from physgnn.evaluation.benchmark.running import MethodOnTask, TaskData
 
 DATA, RUNS = "data", "runs"  # beside the tasks' folders of results
 PAGE, CHART = "benchmark.md", "benchmark.svg"
 
 
 @dataclass
-class Outcome:
+class BenchmarkOutcome:
     """What a benchmark did.
 
     Attributes
     ----------
-    results : list of Result
+    results : list of BenchmarkResult
         Of every method on every task that was run, those that were there included.
     not_run : mapping of task to reason
         Tasks whose data are not at hand.
@@ -30,12 +30,12 @@ class Outcome:
         The page that was drawn.
     """
 
-    results: "list[Result]" = field(default_factory=list)
+    results: "list[BenchmarkResult]" = field(default_factory=list)
     not_run: dict[str, str] = field(default_factory=dict)
     page: Path | None = None
 
     @property
-    def failed(self) -> "list[Result]":
+    def failed(self) -> "list[BenchmarkResult]":
         """The results of methods that failed."""
         return [result for result in self.results if result.status == "failed"]
 
@@ -58,7 +58,7 @@ def benchmark(
     report: str | Path | None = None,
     show: Show = no_show,
     log: Log = no_log,
-) -> Outcome:
+) -> BenchmarkOutcome:
     """Measure methods on tasks, a file a result; a second call does what is missing.
 
     A method that fails is named, and the others go on. The next call tries it again.
@@ -90,7 +90,7 @@ def benchmark(
 
     Returns
     -------
-    Outcome
+    BenchmarkOutcome
         Results, tasks that were not run, and the page.
 
     Raises
@@ -112,7 +112,7 @@ def benchmark(
     if seed < 0:
         raise InputError(f"seed must be ≥ 0 (got {seed})")
     tasks, methods = named_tasks(task), named_methods(method)
-    folder, outcome = Path(out), Outcome()
+    folder, outcome = Path(out), BenchmarkOutcome()
     given = None if data is None else Path(data)
     for name in tasks:
         try:
@@ -131,23 +131,27 @@ def benchmark(
 
 def _jobs(
     data: "TaskData", methods: tuple[str, ...], minutes: float, seed: int, folder: Path
-) -> "list[Job]":
+) -> "list[MethodOnTask]":
     from physgnn.evaluation.benchmark.methods import Method
-    from physgnn.evaluation.benchmark.running import Job
+    from physgnn.evaluation.benchmark.running import MethodOnTask
 
     return [
-        Job(Method.of(name, data.task, data.size), data, minutes, seed, folder / RUNS)
+        MethodOnTask(
+            Method.of(name, data.task, data.size), data, minutes, seed, folder / RUNS
+        )
         for name in methods
     ]
 
 
-def _result(job: "Job", folder: Path, show: Show, log: Log) -> "Result":
+def _result(
+    job: "MethodOnTask", folder: Path, show: Show, log: Log
+) -> "BenchmarkResult":
     """Return a result that is there, or make it."""
-    from physgnn.evaluation.benchmark.result import Result
+    from physgnn.evaluation.benchmark.result import BenchmarkResult
     from physgnn.evaluation.benchmark.running import run_job
 
     file = job.identity.file(folder)
-    if file.exists() and (there := Result.read(file)).status != "failed":
+    if file.exists() and (there := BenchmarkResult.read(file)).status != "failed":
         log(f"{file}: there already")
         return there
     with show(f"{job.data.task}, {job.method.name}") as progress:
@@ -156,7 +160,7 @@ def _result(job: "Job", folder: Path, show: Show, log: Log) -> "Result":
     return result
 
 
-def _line(result: "Result") -> str:
+def _line(result: "BenchmarkResult") -> str:
     from physgnn.evaluation.benchmark.tasks import TASKS
     from physgnn.evaluation.report.formats import mm
 
@@ -167,7 +171,7 @@ def _line(result: "Result") -> str:
     return f"{name}: mean {mm(error.mean)} mm, largest {mm(error.largest)} mm"
 
 
-def _drawn(results: Path, out: Path) -> Outcome:
+def _drawn(results: Path, out: Path) -> BenchmarkOutcome:
     """Draw the page and the figure of a folder of results."""
     from physgnn.evaluation.benchmark.chart import draw_benchmark
     from physgnn.evaluation.benchmark.result import read_results
@@ -179,4 +183,4 @@ def _drawn(results: Path, out: Path) -> Outcome:
     draw_benchmark(found, out / CHART)
     command = "physgnn benchmark --report results/ -o page/"
     write_whole(out / PAGE, page(found, CHART, command))
-    return Outcome(page=out / PAGE)
+    return BenchmarkOutcome(page=out / PAGE)
