@@ -14,9 +14,9 @@ from physgnn.evaluation.benchmark.chart import draw_benchmark
 from physgnn.evaluation.benchmark.methods import Method, method_names, named_methods
 from physgnn.evaluation.benchmark.peak_memory import PeakMemory
 from physgnn.evaluation.benchmark.result import (
+    BenchmarkResult,
     Errors,
     Identity,
-    BenchmarkResult,
     read_results,
 )
 from physgnn.evaluation.benchmark.table import by_task, page
@@ -54,6 +54,10 @@ def result(method: str, mean: float, **fields: Any) -> BenchmarkResult:
         machine={"cores": 2, "threads": 1},
         **fields,
     )
+
+
+def one_line(text: str) -> str:
+    return " ".join(text.split())
 
 
 def test_it_comes_back_from_its_file_as_it_was(tmp_path: Path) -> None:
@@ -127,23 +131,28 @@ def test_the_page_says_first_where_networks_lose() -> None:
         result("reduced", 0.01),
         result("physgnn", 0.3, curve=curve),
         result("lifted", 0.1, curve=curve),
-        result("mlp", 0.5),  # is fitted in one go
-        BenchmarkResult(identity("svr"), "failed", reason="it burst"),
+        result("mlp", 0.5),
+        result("svr", 0.6),  # no network
+        result("repaired", 0.3, curve=curve),
+        BenchmarkResult(identity("gpr"), "failed", reason="it burst"),
     ]
     text = page(rows, "benchmark.svg", "physgnn benchmark --report r -o p")
     loses, tables = text.split("## dataset-2-paths")
-    assert "behind the linear solution (0.200 mm): PhysGNN (0.300)" in loses
-    behind = loses.split("behind the reduced model")[1]
+    assert "behind the linear solution (0.200 mm): PhysGNN (0.300)" in one_line(loses)
+    behind = one_line(loses.split("behind the reduced model")[1])
     assert "PhysGNN (0.300)" in behind
+    assert "Network per node (0.500)" in behind
+    assert "Repaired" not in behind
+    assert "Support" not in behind
     assert "Lifted network (0.100)" in behind
     order = [
         line.split("|")[1].strip() for line in tables.splitlines() if "ms |" in line
     ]
     assert order == [
-        "Reduced model", "Lifted network", "Linear solution", "PhysGNN",
-        "Network per node",
+        "Reduced model", "Lifted network", "Linear solution", "PhysGNN", "Repaired",
+        "Network per node", "Support vector regression",
     ]  # fmt: skip
-    assert "Support vector regression: failed, it burst." in tables
+    assert "Gaussian process: failed, it burst." in tables
     for task in TASKS:
         assert (f"- {task}: " in tables) == (task != "dataset-2-paths")
     assert all(len(x) <= 120 or x.startswith("|") for x in text.splitlines())

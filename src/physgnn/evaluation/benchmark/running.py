@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 import torch
 
 from physgnn.dataset.splits.meshes import split_meshes
@@ -26,9 +27,9 @@ from physgnn.evaluation.benchmark.result import (
     FAILED,
     MEASURED,
     NOT_APPLICABLE,
+    BenchmarkResult,
     Errors,
     Identity,
-    BenchmarkResult,
     is_finite,
 )
 from physgnn.evaluation.benchmark.tasks import TASKS
@@ -323,6 +324,7 @@ def _machine() -> dict[str, Any]:
         "processor": platform.processor() or platform.machine(),
         "cores": os.cpu_count(),
         "threads": torch.get_num_threads(),
+        "load": psutil.getloadavg()[0],
     }
 
 

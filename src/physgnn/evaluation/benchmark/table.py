@@ -3,6 +3,7 @@
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 
+from physgnn.evaluation.benchmark.methods import REPAIRED
 from physgnn.evaluation.benchmark.result import (
     FAILED,
     MEASURED,
@@ -16,6 +17,7 @@ from physgnn.evaluation.report.style import label
 
 WIDTH = 110
 WITHOUT_TRAINING = ("linear", "reduced")  # what a network has to beat
+FITTED_NETWORKS = ("mlp", "pod-network")  # beside those that have epochs
 HEAD = (
     "method", "mean", "median", "95 %", "99 %", "largest", "≤ 1 mm", "loaded region",
     "tumour", "training", "a prediction", "memory",
@@ -42,7 +44,8 @@ def page(results: Sequence[BenchmarkResult], chart: str, command: str) -> str:
             "are Euclidean distances in mm over nodes and test samples. Training is in "
             "minutes of processor time, all threads together. A prediction is the "
             "median by the wall clock, of one load at a time. Memory is how far the "
-            "process grew, at most. This page is made by a command from the files of "
+            "process grew, at most. Other work on the machine makes its times longer: "
+            "the load average is said where it is known. This page is made by a command from the files of "
             "the results, and nothing on it is typed by hand."
         ),
         _commands(groups, command),
@@ -101,8 +104,12 @@ def _losses(groups: dict[tuple[str, str], list[BenchmarkResult]]) -> Iterator[st
     for (task, size), rows in groups.items():
         found = ranked(rows)
         mean = {row.identity.method: errors.mean for row, errors in found}
-        trained = {r.identity.method: e.mean for r, e in found if r.curve}
-        trained.pop("repaired", None)
+        trained = {
+            r.identity.method: e.mean
+            for r, e in found
+            if r.curve or r.identity.method in FITTED_NETWORKS
+        }
+        trained.pop(REPAIRED, None)  # a solver has the last word there
         for name in WITHOUT_TRAINING:
             behind = [k for k, v in trained.items() if name in mean and v >= mean[name]]
             if behind:
@@ -171,8 +178,9 @@ def _provenance(rows: Sequence[BenchmarkResult]) -> str:
         f"data {str(what.data.get('hash'))[:12]}, split {what.split.get('name')} "
         f"{str(what.split.get('hash'))[:12]}. "
         + (f"Networks may train {allowed} processor minutes. " if allowed else "")
-        + f"{machine.get('cores')} cores, {machine.get('threads')} threads for "
-        f"networks; "
+        + f"{machine.get('cores')} cores, {machine.get('threads')} threads for networks"
+        + (f", load average {load:.1f}" if (load := machine.get("load")) else "")
+        + "; "
         + ", ".join(f"{name} {value}" for name, value in first.versions.items())
         + "."
     )
