@@ -221,32 +221,38 @@ def _fitted(job: MethodOnTask) -> Predict:
 
 
 def _trained(job: MethodOnTask, progress: Progress | None) -> tuple[float, Predict]:
-    """Train a network, or go on with it; return its minutes and its predictor."""
+    """Return a network's minutes of training and its predictor."""
+    run = RunFolder(job.run)
+    if run.model_card.exists():  # written last: `repaired` finds the network trained
+        checkpoint = Checkpoint.load(run.path)
+    else:
+        checkpoint = _train(job, run, progress)
+    minutes = processor_minutes(checkpoint.record)
+    store = job.data.store
+    if job.data.split.name == MESH:
+        forces = strongest_forces(store, store.samples())
+        checkpoint = adapt(checkpoint, store.body, forces)
+    elif job.method.tolerance_mm is not None:
+        if not all(file.exists() for file in run.calibrations):
+            calibrate_run(run.path, store, job.data.split, progress=progress)
+        return minutes, Predictor.load(run.path)
+    return minutes, _without_bounds(checkpoint)
+
+
+def _train(job: MethodOnTask, run: RunFolder, progress: Progress | None) -> Checkpoint:
+    """Train a network, or go on with it."""
     stores, splits = job.data.trained_on
-    method, run = job.method, RunFolder(job.run)
     config = TrainingConfig(
-        method.model,
-        options=method.options,
+        job.method.model,
+        options=job.method.options,
         max_minutes=job.minutes,
         seed=job.seed,
-        **method.training,
+        **job.method.training,
     )
     resume = run.state.exists()
     if not resume:
         shutil.rmtree(run.path, ignore_errors=True)  # what a kill left is of no use
-    checkpoint = train(
-        stores, splits, config, run.path, progress=progress, resume=resume
-    )
-    minutes = processor_minutes(checkpoint.record)
-    if job.data.split.name == MESH:
-        store = job.data.store
-        forces = strongest_forces(store, store.samples())
-        checkpoint = adapt(checkpoint, store.body, forces)
-    elif method.tolerance_mm is not None:
-        if not all(file.exists() for file in run.calibrations):
-            calibrate_run(run.path, stores[0], splits[0], progress=progress)
-        return minutes, Predictor.load(run.path)
-    return minutes, _without_bounds(checkpoint)
+    return train(stores, splits, config, run.path, progress=progress, resume=resume)
 
 
 def _without_bounds(checkpoint: Checkpoint) -> Predict:

@@ -45,8 +45,8 @@ def page(results: Sequence[BenchmarkResult], chart: str, command: str) -> str:
             "minutes of processor time, all threads together. A prediction is the "
             "median by the wall clock, of one load at a time. Memory is how far the "
             "process grew, at most. Other work on the machine makes its times longer: "
-            "the load average is said where it is known. This page is made by a command from the files of "
-            "the results, and nothing on it is typed by hand."
+            "the load average is said where it is known. This page is made by a "
+            "command from the files of the results, and nothing on it is typed by hand."
         ),
         _commands(groups, command),
         "## Where the networks lose",
