@@ -185,6 +185,30 @@ def test_every_task_runs(task: str, folder: Path) -> None:
         assert (result.errors is None) or result.errors.tumour is not None
 
 
+@pytest.mark.parametrize(
+    ("module", "message"),
+    [
+        ("def def", "cannot be imported"),
+        ("raise RuntimeError('no')", "cannot be imported"),
+        (STRANGERS.replace("Twice(Surrogate)", "Other(Surrogate)").split("class Bur")[0]
+         .replace("    learns", "    def __init__(self, body, *, width):\n"
+                  "        super().__init__(body)\n\n    learns"),
+         "must have a default"),
+    ],
+)  # fmt: skip
+def test_a_stranger_that_cannot_be_made_is_refused_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, message: str
+) -> None:
+    (tmp_path / "unusable.py").write_text(module)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.delitem(sys.modules, "unusable", raising=False)
+    with pytest.raises(InputError, match=message):
+        pg.benchmark(tmp_path / "out", task=TASK, method="unusable:Other")
+    assert not (tmp_path / "out").exists()
+    monkeypatch.delitem(sys.modules, "unusable", raising=False)
+
+
 def test_tasks_without_data_are_named_and_none_at_all_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

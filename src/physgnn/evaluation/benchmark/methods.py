@@ -1,5 +1,6 @@
 """The methods that are compared, their options and how networks are trained."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -111,6 +112,24 @@ def method_names() -> tuple[str, ...]:
     return (*cheap, *others, REPAIRED)
 
 
+def _check_class(name: str) -> None:
+    """Raise InputError unless a method can be imported and its options recorded."""
+    try:
+        model_class(name)
+        json.dumps(resolved_options(name, {}), allow_nan=False)
+    except InputError:
+        raise
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"method '{name}' must have a default for every option, such as JSON can "
+            f"hold ({error})"
+        ) from error
+    except Exception as error:  # a stranger's module may raise anything
+        raise InputError(
+            f"method '{name}' cannot be imported ({type(error).__name__}: {error})"
+        ) from error
+
+
 def named_methods(text: str) -> tuple[str, ...]:
     """Return the methods that a name, names with commas, or ``all`` stand for.
 
@@ -131,5 +150,5 @@ def named_methods(text: str) -> tuple[str, ...]:
                 "one of your own as module:Class)"
             )
         if name != REPAIRED:
-            model_class(name)
+            _check_class(name)
     return tuple(dict.fromkeys([*TRIVIAL, *names]))

@@ -164,10 +164,10 @@ def run_job(job: MethodOnTask, *, progress: Progress | None = None) -> Benchmark
     empty = BenchmarkResult(
         job.identity, NOT_APPLICABLE, versions=_versions(), machine=_machine()
     )
-    reason = _not_applicable(job)
-    if reason:
-        return replace(empty, reason=reason)
     try:
+        reason = _not_applicable(job)
+        if reason:
+            return replace(empty, reason=reason)
         return _measured(job, empty, progress)
     except Exception as error:  # a method may be a stranger's: others go on
         return replace(empty, status=FAILED, reason=_line(error))
@@ -317,7 +317,10 @@ def _origin(kind: type[Any], name: str) -> str:
     """Return a digest of the file that a method from outside the package is in."""
     if name in MODELS:
         return ""
-    return _digest(inspect.getsource(sys.modules[kind.__module__]).encode())
+    try:
+        return _digest(inspect.getsource(sys.modules[kind.__module__]).encode())
+    except (OSError, TypeError):
+        return "no source"  # compiled: a change of it is not seen
 
 
 def _versions() -> dict[str, str]:
