@@ -133,7 +133,7 @@ def _section(task: str, size: str, rows: Sequence[BenchmarkResult]) -> str:
             )
         )
     if about.published:
-        parts.append(_prose(f"Published: {about.published}."))
+        parts.append(_prose(f"Published, on the data of size full: {about.published}."))
     parts.append(_table(found))
     parts += [
         _prose(f"- {label(r.identity.method)}: {r.status}, {r.reason}.", "  ")

@@ -21,7 +21,7 @@ from physgnn.mechanics.loads.sampling import (
 from physgnn.mechanics.materials import Ogden
 
 SIZES = ("tiny", "full")
-OVER_ALL, OVER_TUMOUR = "all points", "tumour"
+OVER_ALL, OVER_TUMOUR = "all points", "the tumour"
 # Tonutti et al. 2017 (Artif. Intell. Med. 80): the law of both regions in the FEBio
 # model that they published with the paper.
 TONUTTI_LAW = Ogden((1044.0, 1183.0), (4.309, 7.736), 100_000.0)
