@@ -5,6 +5,7 @@ import pytest
 from physgnn import choices
 from physgnn.dataset import PRESETS, SOLVERS, SPLITS
 from physgnn.dataset.splits.samples import MESH
+from physgnn.evaluation.benchmark.tasks import SIZES, TASKS
 from physgnn.geometry.meshing.tetrahedra import MESHERS
 from physgnn.imaging.image_warping import INTERPOLATIONS
 from physgnn.io.medical.images.nifti_place import FORMS
@@ -43,6 +44,8 @@ from physgnn.stages.patient.measured_files import TRANSFORMED
         ("BrainBackend", [*BACKENDS, AUTO]),
         ("Contrast", FLUID_IS_BRIGHT),
         ("ModelName", MODELS),
+        ("TaskName", [*TASKS, "all"]),
+        ("TaskSize", SIZES),
     ],
 )
 def test_a_choice_names_the_rows_of_its_table(choice: str, rows: object) -> None:

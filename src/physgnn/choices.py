@@ -32,11 +32,14 @@ TABLES = {
     "BrainBackend": ("segmentation/backends/__init__.py", "BACKENDS"),
     "ModelName": ("learning/models.py", "MODELS"),
     "Contrast": ("segmentation/contrasts.py", "FLUID_IS_BRIGHT"),
+    "TaskName": ("evaluation/benchmark/tasks.py", "TASKS"),
+    "TaskSize": ("evaluation/benchmark/tasks.py", "SIZES"),
 }
 """Choice → module and table whose rows it names."""
 WITHOUT_ROW = {
     "SplitName": ("mesh",),  # holds out a whole store, not samples of one
     "BrainBackend": ("auto",),  # whichever is installed
+    "TaskName": ("all",),
 }
 
 
@@ -111,6 +114,8 @@ if TYPE_CHECKING:
     BrainBackend: TypeAlias = str
     Contrast: TypeAlias = str
     ModelName: TypeAlias = str
+    TaskName: TypeAlias = str
+    TaskSize: TypeAlias = str
 else:
 
     def __getattr__(choice: str) -> type[StrEnum]:

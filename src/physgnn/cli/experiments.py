@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from physgnn import choices, stages
-from physgnn.cli.console import progress, say, working
+from physgnn.cli.console import NOT_USABLE, progress, say, working
 from physgnn.cli.options import OutFolder, PrecisionOption
 
 
@@ -95,6 +95,67 @@ def ablate(
         )
     print(table)
     print(out / "ablation.png")
+
+
+def benchmark(
+    out: OutFolder,
+    task: Annotated[
+        choices.TaskName, typer.Option(help="Measure on this task, or on all.")
+    ] = "all",
+    method: Annotated[
+        str,
+        typer.Option(
+            help="Measure this method, or several with commas between, or all: "
+            f"{', '.join(choices.names('ModelName'))} (but not finite-element), "
+            "repaired; or one of your own, as module:Class. Zero and linear are always "
+            "measured beside."
+        ),
+    ] = "all",
+    size: Annotated[
+        choices.TaskSize,
+        typer.Option(
+            help="Take the bundled brain with few load paths (tiny), or the task's own "
+            "data (full)."
+        ),
+    ] = "tiny",
+    data: Annotated[
+        Path | None,
+        typer.Option(help="Look into this folder for the data of the full tasks."),
+    ] = None,
+    minutes: Annotated[
+        float | None,
+        typer.Option(
+            help="Train every network this long, in minutes of processor time; by "
+            "default 0.1, or 30 for full tasks."
+        ),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(help="Draw all that is drawn from this seed.")
+    ] = 0,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            help="Draw the page and the figure of this folder of results, and measure "
+            "nothing."
+        ),
+    ] = None,
+) -> None:
+    """Compare every method on the same tasks; call it again to resume."""
+    outcome = stages.benchmark(
+        out,
+        task=task,
+        method=method,
+        size=size,
+        data=data,
+        minutes=minutes,
+        seed=seed,
+        report=report,
+        show=progress,
+        log=say,
+    )
+    print(outcome)
+    if outcome.failed:
+        raise typer.Exit(NOT_USABLE)
 
 
 def published(

@@ -31,6 +31,7 @@ LABELS_AND_COLOURS = {
     "reduced": ("Reduced model", "#c2a500"),
     "galerkin": ("POD-Galerkin", "#8c6d9e"),
     "certified": ("Repaired", "#d4477e"),
+    "repaired": ("Repaired", "#d4477e"),
     "finite-element": ("Finite elements", "#6b5b4b"),
 }
 SPARE_COLOURS = ("#d4477e", "#c2a500", "#5b6ee1", "#3fa7c9", "#7a5195")
