@@ -16,7 +16,7 @@ from physgnn.cli import (
     segmenting,
     simulation,
     training,
-    uncertainty,
+    uncertainties,
     viewing,
 )
 from physgnn.errors import InputError
@@ -40,7 +40,7 @@ MODULES = (
     patients,
     images,
     registrations,
-    uncertainty,
+    uncertainties,
     viewing,
 )
 """Every public function that one of these defines is a command, in this order."""

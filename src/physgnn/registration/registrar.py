@@ -29,6 +29,7 @@ from physgnn.mechanics import deformation_gradient
 from physgnn.mechanics.body import Body
 from physgnn.prediction.evidence import Evidence, Verdict, decide
 from physgnn.prediction.prediction import ErrorBound, Prediction
+from physgnn.registration.covariances import point_covariance
 from physgnn.registration.fit import fit_of
 from physgnn.registration.inference.bounds import error_lengths, estimate_of
 from physgnn.registration.inference.rigid_offset import RigidOffset
@@ -44,7 +45,6 @@ from physgnn.registration.measurements.kinds import (
 )
 from physgnn.registration.measurements.observation import Measurement
 from physgnn.registration.misfits import Misfit, misfits_of
-from physgnn.registration.point_covariance import point_covariance
 from physgnn.registration.skull import SUPPORTS
 from physgnn.registration.tangent_response import TangentResponse
 

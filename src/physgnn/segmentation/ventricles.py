@@ -10,7 +10,7 @@ from skimage.segmentation import watershed
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.image import Image
-from physgnn.segmentation.ventricle_prior import Prior, ventricle_prior
+from physgnn.segmentation.template_prior import Prior, ventricle_prior
 
 SMOOTHING_VOXELS = 0.5
 # Distances from the template's ventricles, mm: where intensities are looked at, where

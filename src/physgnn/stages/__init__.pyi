@@ -21,7 +21,7 @@ from .patient.meshing import mesh as mesh
 from .patient.prediction import predict as predict
 from .patient.registration import register as register
 from .patient.segmenting import segment as segment
-from .patient.uncertainty import uncertainty as uncertainty
+from .patient.uncertainty_images import uncertainty as uncertainty
 from .patient.viewing import view as view
 from .patient.warping import warp as warp
 from .slicer_modules.launchers import slicer as slicer

@@ -73,7 +73,8 @@ class Method:
     tolerance_mm : float or None
         What every prediction is repaired to.
     training : mapping
-        Fields of a `TrainingConfig` beside model, options, budget and seed.
+        Fields of a `physgnn.learning.training.config.TrainingConfig` beside model,
+        options, budget and seed.
     """
 
     name: str

@@ -30,7 +30,7 @@ FACE_LISTS = ("vertex_indices", "vertex_index")
 Take = Callable[[str, int], tuple[Any, ...]]
 
 
-class Column(NamedTuple):
+class PlyColumn(NamedTuple):
     """A property: a number, or a list of numbers, in every row."""
 
     name: str
@@ -43,7 +43,7 @@ class Element(NamedTuple):
 
     name: str
     n_rows: int
-    columns: list[Column]
+    columns: list[PlyColumn]
 
 
 def read_ply(path: Path) -> Surface:
@@ -95,10 +95,10 @@ def parse_header(header: str) -> tuple[str, list[Element]]:
             case ["element", name, count]:
                 elements.append(Element(name, int(count), []))
             case ["property", "list", length, item, name]:
-                column = Column(name, CODES[item], CODES[length])
+                column = PlyColumn(name, CODES[item], CODES[length])
                 elements[-1].columns.append(column)
             case ["property", number, name]:
-                elements[-1].columns.append(Column(name, CODES[number], None))
+                elements[-1].columns.append(PlyColumn(name, CODES[number], None))
     return kind, elements
 
 

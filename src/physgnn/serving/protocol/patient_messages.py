@@ -52,7 +52,7 @@ class MeasuredFile(CheckedMessage):
     name : str
         What it is called on the page; only its ending counts.
     role : str
-        A row of `Desk.roles`.
+        One of the roles that the desk offers.
     n_bytes : int
         How many bytes follow.
     """

@@ -6,7 +6,7 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.imaging.point_displacement import PointDisplacement, displacement_at
-from physgnn.imaging.reverse import reverse
+from physgnn.imaging.reversal import reverse
 from physgnn.imaging.scattered_fields import interpolated
 from physgnn.io.integrity.atomic import check_folder
 from physgnn.io.plans.formats import plan_named_like, read_plan, write_plan

@@ -15,7 +15,7 @@ from physgnn.imaging import (
     round_trip_mm,
 )
 from physgnn.imaging import warp as warped
-from physgnn.imaging.reverse import reverse
+from physgnn.imaging.reversal import reverse
 from physgnn.imaging.slices import middle_of_shift
 from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.medical.images.formats import (

@@ -1,6 +1,6 @@
 import numpy as np
 
-from physgnn.registration.point_covariance import point_covariance
+from physgnn.registration.covariances import point_covariance
 
 
 def test_it_is_the_covariance_of_drawn_errors_scaled_to_the_deviation() -> None:

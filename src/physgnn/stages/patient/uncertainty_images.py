@@ -77,6 +77,11 @@ def uncertainty(
     log : callable
         Gets a line on the model, and on how much of the brain is how uncertain.
 
+    Returns
+    -------
+    UncertaintyImages
+        What was written.
+
     Raises
     ------
     InputError
