@@ -172,7 +172,7 @@ def test_what_is_not_ok_says_so_in_the_exit_code_the_file_and_the_next_command(
 
 
 @pytest.mark.parametrize("scale", [1e-3, 0.1])
-def test_a_surface_in_other_units_is_not_ok(
+def test_a_surface_in_other_units_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], scale: float
 ) -> None:
     """All of it lies together, and near a body that holds the origin."""
@@ -182,8 +182,10 @@ def test_a_surface_in_other_units_is_not_ok(
     top = body.points[body.point_set("loaded")] - [0, 0, 2]
     np.savetxt(tmp_path / "s.csv", scale * top, delimiter=",")
     words = ("--surface", tmp_path / "s.csv", "-o", tmp_path / "out.vtu")
-    run("register", tmp_path / "case.vtu", *words, code=3)
-    assert " ok: " not in capsys.readouterr().out
+    run("register", tmp_path / "case.vtu", *words, code=2)
+    said = capsys.readouterr()
+    assert "measured surface" in said.err and " ok: " not in said.out
+    assert not (tmp_path / "out.vtu").exists()
 
 
 def test_register_takes_a_folder_for_its_page(tmp_path: Path) -> None:

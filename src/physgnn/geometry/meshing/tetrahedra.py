@@ -154,8 +154,8 @@ def _tetwild(brain: Surface, tumours: Sequence[Surface], _: float) -> Filler:
 
 
 MESHERS: dict[str, Callable[[Surface, Sequence[Surface], float], Filler]] = {
-    "tetgen": _tetgen,
     "tetwild": _tetwild,
+    "tetgen": _tetgen,
 }
 NAMES = {TETGEN: "TetGen", TETWILD: "fTetWild"}
 # Points of fTetWild's mesh for those of a lattice of the edge that is asked for.
