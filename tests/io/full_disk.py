@@ -141,12 +141,12 @@ def network(path: Path) -> None:
 
 def febio_model(path: Path) -> None:
     load = LoadPath(LOADED, np.full((len(LOADED), 3), 1e-4), np.array([0.5, 1.0]))
-    write_febio(path, MESH, load, materials=MATERIALS, fixed=FIXED)
+    write_febio(path, Body(MESH, MATERIALS, FIXED), load)
 
 
 def store(path: Path) -> None:
     loads = LoadPath(LOADED, np.full((len(LOADED), 3), 1e-4), np.array([0.5, 1.0]))
-    Store.create(path, MESH, [loads], materials=MATERIALS, fixed=FIXED, provenance={})
+    Store.create(path, Body(MESH, MATERIALS, FIXED), [loads], provenance={})
 
 
 def series(path: Path) -> None:
