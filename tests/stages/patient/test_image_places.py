@@ -23,7 +23,7 @@ READERS: dict[str, Callable[..., Any]] = {
         points=image.with_name("no.csv"), image=image, **given,
     ),
     "view": lambda image, **given: stages.view(
-        image.with_name("no.vtu"), port=0, image=image, log=no_log, **given
+        image.with_name("no.json"), port=0, image=image, log=no_log, **given
     ),
 }  # fmt: skip
 

@@ -7,6 +7,7 @@ page is what the command line writes.
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,19 +73,24 @@ class CaseDesk:
         self._folder = None if folder is None else Path(folder)
         if self._folder is not None and not self._folder.is_dir():
             raise InputError(f"--save must name a folder that is there (got {folder})")
-        self._scratch = tempfile.TemporaryDirectory(prefix="physgnn-case-")
         self._count = 0  # of runs
         self._mesh = read_mesh(case)
         self._surface = boundary_surface(self._mesh)
         self._cortex = self._surface.points[np.unique(self._surface.faces)]
         self._tree = KDTree(self._cortex)
         self._note, self._text = METHODS, ""
-        if "fixed" not in self._mesh.point_sets:
-            place, where = self._first_place()
-            self._hold(self.opening(place, FIRST_RADIUS_MM))
-            self._note += (
-                f" The skull is taken to be open {where}: click the craniotomy."
-            )
+        with ExitStack() as unless_all_is_well:
+            self._scratch = tempfile.TemporaryDirectory(prefix="physgnn-case-")
+            unless_all_is_well.callback(self._scratch.cleanup)
+            if "fixed" not in self._mesh.point_sets:
+                self._open_somewhere()
+            unless_all_is_well.pop_all()
+
+    def _open_somewhere(self) -> None:
+        """Lay the cortex open where nothing says where, and say so."""
+        place, where = self._first_place()
+        self._hold(self.opening(place, FIRST_RADIUS_MM))
+        self._note += f" The skull is taken to be open {where}: click the craniotomy."
 
     @property
     def note(self) -> str:
