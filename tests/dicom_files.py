@@ -1,5 +1,6 @@
 """Small DICOM series, written by ITK."""
 
+import locale
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,9 @@ def write_series(
     whole = to_itk(Image(np.asarray(image.data, np.int16), image.affine))
     direction = np.reshape(whole.GetDirection(), (3, 3))
     turn = "\\".join(f"{n:.8f}" for n in (*direction[:, 0], *direction[:, 1]))
+    # ITK's writer of DICOM leaves the process in the locale "C"; ours reads DICOM in a
+    # process of its own.
+    before = locale.setlocale(locale.LC_ALL)
     writer = sitk.ImageFileWriter()
     writer.KeepOriginalImageUIDOn()
     made = []
@@ -47,4 +51,5 @@ def write_series(
         made.append(folder / f"{prefix}{k:03d}.dcm")
         writer.SetFileName(str(made[-1]))
         writer.Execute(part)
+    locale.setlocale(locale.LC_ALL, before)
     return made

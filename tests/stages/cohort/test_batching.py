@@ -93,7 +93,7 @@ def test_a_failure_is_named_and_the_others_go_on(cohort: Path) -> None:
     ]
     assert results[-1].outcome != "failed"
     reasons = [one.reason for one in results]
-    assert "must be 6 numbers" in reasons[0]
+    assert "three columns, not six" in reasons[0]
     assert "register.noise_mm must be float (got 'much')" in reasons[1]
     assert f"there is no {cohort / 'missing.vtu'}" in reasons[2]
     assert "asks for nothing" in reasons[3]
