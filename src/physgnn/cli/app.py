@@ -19,6 +19,7 @@ from physgnn.cli import (
     uncertainties,
     viewing,
 )
+from physgnn.cli.outputs import guarded
 from physgnn.errors import InputError
 from physgnn.stages.naming import COMMANDS
 
@@ -54,7 +55,7 @@ def _register() -> None:
         for name, function in vars(module).items():
             its_own = getattr(function, "__module__", "") == module.__name__
             if its_own and inspect.isfunction(function) and not name.startswith("_"):
-                app.command(NAMES[name], hidden=name in HIDDEN)(function)
+                app.command(NAMES[name], hidden=name in HIDDEN)(guarded(function))
 
 
 _register()

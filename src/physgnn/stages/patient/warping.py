@@ -17,7 +17,7 @@ from physgnn.imaging import (
 from physgnn.imaging import warp as warped
 from physgnn.imaging.reversal import reverse
 from physgnn.imaging.slices import middle_of_shift
-from physgnn.io.integrity.atomic import whole_file
+from physgnn.io.integrity.atomic import check_folder, whole_file
 from physgnn.io.medical.images.formats import (
     named_like,
     read_image,
@@ -110,6 +110,13 @@ def warp(
         }
         _refuse(image, [name for name, value in given.items() if value])
         return warp_plan(image, prediction, out, back=back, log=log)
+    out = named_like(out, image)
+    jacobian = None if jacobian is None else named_like(jacobian, image)
+    for path in (out, jacobian, slices, *field):
+        if path is not None:
+            check_folder(Path(path))
+    if slices is not None:
+        _check_picture(Path(slices))
     mesh, u = read_displacement(prediction, log=log)
     if back:
         mesh, u = reverse(mesh, u)
@@ -117,7 +124,7 @@ def warp(
     before = read(image, affine=affine, series=series, log=log)
     inverse = inverse_field(mesh, u, before.grid)
     after = warped(before, inverse, interpolation=interpolation)
-    write_image(named_like(out, image), after)
+    write_image(out, after)
     error = round_trip_mm(forward_field(mesh, u, before.grid), inverse)
     if len(error):
         log(
@@ -128,7 +135,7 @@ def warp(
     for path in field:
         write_field(path, inverse)
     if jacobian is not None:
-        write_image(named_like(jacobian, image), jacobian_image(mesh, u, before.grid))
+        write_image(jacobian, jacobian_image(mesh, u, before.grid))
     if slices is not None:
         _save_figure(slices, before_after(before, after, middle_of_shift(mesh, u)))
     return after
@@ -159,8 +166,11 @@ def _refuse(plan: str | Path, options: Sequence[str]) -> None:
         )
 
 
-def _save_figure(path: str | Path, figure: "Figure") -> None:
-    if Path(path).suffix != ".png":
+def _check_picture(path: Path) -> None:
+    if path.suffix != ".png":
         raise InputError(f"{path}: slices are written as .png")
+
+
+def _save_figure(path: str | Path, figure: "Figure") -> None:
     with whole_file(Path(path)) as part:
         figure.savefig(part, dpi=120)

@@ -194,12 +194,22 @@ def named_like(out: str | Path, image: str | Path) -> Path:
     image : path
         What the result is made of. The result of a DICOM series, and of others that
         cannot be written, is NIfTI.
+
+    Raises
+    ------
+    InputError
+        If that is the image itself.
     """
-    out = Path(out)
-    if out.suffix:
-        return out
-    suffix = suffix_of(image)
-    return out.with_name(out.name + (suffix if suffix in WRITTEN else ".nii.gz"))
+    named = Path(out)
+    if not named.suffix:
+        suffix = suffix_of(image)
+        suffix = suffix if suffix in WRITTEN else ".nii.gz"
+        named = named.with_name(named.name + suffix)
+    if named.resolve() == Path(image).resolve():
+        raise InputError(
+            f"{named} would be written over the image it is made of: name another file"
+        )
+    return named
 
 
 def format_of(path: Path) -> ImageFormat:
