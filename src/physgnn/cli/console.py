@@ -48,6 +48,7 @@ def progress(title: str, *, transient: bool = False) -> Iterator[Callback]:
         TextColumn("[dim]{task.fields[doing]}"),
         console=err,
         transient=transient,
+        disable=not err.is_terminal,  # a log holds lines, not the last state of a bar
     )
     with bar:
         task = bar.add_task(title, total=None, doing="")
