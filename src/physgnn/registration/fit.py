@@ -8,7 +8,8 @@ from scipy.stats import chi2
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.measured import farthest_points
-from physgnn.prediction.evidence import SAME_PLACE_MM, MeasurementFit, OffsetEvidence
+from physgnn.prediction.evidence import SAME_PLACE_MM
+from physgnn.prediction.measured_evidence import MeasurementFit, OffsetEvidence
 from physgnn.registration.inference.heavy_tails import RobustFit
 from physgnn.registration.inference.rigid_offset import RigidOffset
 from physgnn.registration.inference.rows import MeasuredRows

@@ -1,0 +1,73 @@
+"""How well a displacement meets what was measured: what a status may rest on."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class OffsetEvidence:
+    """What the data say of a rigid offset of the navigation.
+
+    Attributes
+    ----------
+    length_mm, turn_deg : float
+        Its most probable translation and rotation.
+    deviation_mm : float
+        Standard deviation of the translation along an axis, given the data.
+    log_ratio : float
+        Logarithm of how much more probable the data are with an offset.
+    change_mm : float
+        How far, at most, the displacement of a point is another with an offset.
+    corrected : bool
+        Whether the displacement is the one with an offset.
+    """
+
+    length_mm: float
+    turn_deg: float
+    deviation_mm: float
+    log_ratio: float
+    change_mm: float
+    corrected: bool
+
+
+@dataclass(frozen=True)
+class MeasurementFit:
+    """How well a registration meets what was measured.
+
+    Attributes
+    ----------
+    n_places : int
+        Places measured; those within 1 mm of each other count once: see
+        `physgnn.prediction.evidence.SAME_PLACE_MM`.
+    spread_mm : float
+        Standard deviation of the places along their second principal axis.
+    distance_mm : float
+        Median distance of a measured surface from the body's at rest; 0 for pairs.
+    translation_mm : float
+        Length of the translation that meets the pairs best; 0 for a surface, which
+        tells little of how it slides.
+    translation_misfit : float
+        Squared misfit of that translation over that of the elastic body, each divided
+        by its degrees of freedom; infinite for a surface.
+    misfit_ratio : float
+        Squared misfit over what the stated noise lets expect.
+    chance : float
+        Probability of a misfit as large, by noise alone.
+    outlier_share : float
+        Of the places of one kind, at most, that the rest contradicts.
+    offset : OffsetEvidence, optional
+        Where an offset of the navigation was looked for.
+    outside_mm : float
+        Median distance of a measured surface outward from the body's at rest, where
+        nothing else was measured; 0 with points.
+    """
+
+    n_places: int
+    spread_mm: float
+    distance_mm: float
+    translation_mm: float
+    translation_misfit: float
+    misfit_ratio: float
+    chance: float
+    outlier_share: float = 0.0
+    offset: OffsetEvidence | None = None
+    outside_mm: float = 0.0
