@@ -16,7 +16,7 @@ from physgnn.mechanics.equilibrium.relaxation import Relaxation
 from physgnn.mechanics.equilibrium.solution import Status
 from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
 from physgnn.mechanics.loads.paths import LoadCase
-from physgnn.mechanics.reduced.near_loads import FEW
+from physgnn.mechanics.reduced.submodels.near_loads import FEW
 from physgnn.prediction.prediction import ErrorBound, LikelyError, PredictionStatus
 
 WRONG_BY = 2.0  # the physical estimate may be too small by such a factor

@@ -1,6 +1,6 @@
 """The lifted network: physics carries the displacement, a network what is left over.
 
-u = ū + u₁ + u₂ (`physgnn.mechanics.reduced.asymptotic_expansion`) + ‖u₂‖ · (network +
+u = ū + u₁ + u₂ (`physgnn.mechanics.reduced.expansions.asymptotic`) + ‖u₂‖ · (network +
 modes). The factor, the mean length of u₂, makes the correction O(load²) or smaller, so
 that small loads get the linear solution, and none nothing. All is computed in the
 body's own axes, so that a body turned with its load has its displacement turned.
@@ -31,10 +31,10 @@ from physgnn.mechanics.equilibrium.reference_states import (
     ReferenceState,
 )
 from physgnn.mechanics.loads.paths import LoadCase
-from physgnn.mechanics.reduced.anchors import mean_load_anchors
-from physgnn.mechanics.reduced.asymptotic_expansion import AsymptoticExpansion
-from physgnn.mechanics.reduced.near_loads import NearLoads
-from physgnn.mechanics.reduced.pod import leading_modes
+from physgnn.mechanics.reduced.expansions.anchors import mean_load_anchors
+from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
+from physgnn.mechanics.reduced.pod_galerkin.pod import leading_modes
+from physgnn.mechanics.reduced.submodels.near_loads import NearLoads
 
 MAX_SNAPSHOTS = 600  # more don't change the modes that pay, and cost memory
 HIDDEN = 64  # of the small network from modes to modes

@@ -1,6 +1,6 @@
 """The reduced model: nothing learnt, a few dozen unknowns, a few milliseconds.
 
-A load is answered by the local expansion (`physgnn.mechanics.reduced.local_expansion`)
+A load is answered by the local expansion (`physgnn.mechanics.reduced.expansions.local`)
 about known equilibria, solved exactly in the cells around the loaded points. Known are
 the rest state and some of the training samples, the anchors, chosen to lie far from one
 another. The solutions about the nearest anchors are averaged with weights
@@ -28,9 +28,9 @@ from physgnn.mechanics.equilibrium.reference_states import (
 )
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
 from physgnn.mechanics.loads.paths import LoadCase, LoadPath
-from physgnn.mechanics.reduced.load_distance import LoadDistance, farthest
-from physgnn.mechanics.reduced.local_expansion import LocalExpansion
-from physgnn.mechanics.reduced.recently_used import RecentlyUsed
+from physgnn.mechanics.reduced.expansions.load_distance import LoadDistance, farthest
+from physgnn.mechanics.reduced.expansions.local import LocalExpansion
+from physgnn.mechanics.reduced.expansions.recently_used import RecentlyUsed
 
 MAX_BYTES = 2 * 2**30  # of the anchors' columns
 FACTORS_AT_ONCE = 6  # of reference states, 80 MB each

@@ -18,9 +18,9 @@ from physgnn.learning.surrogate import Arrays, Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.loads.paths import LoadCase
-from physgnn.mechanics.reduced.ecsw import cell_works, weigh_cells
-from physgnn.mechanics.reduced.galerkin import GalerkinBody
-from physgnn.mechanics.reduced.pod import leading_modes
+from physgnn.mechanics.reduced.pod_galerkin.ecsw import cell_works, weigh_cells
+from physgnn.mechanics.reduced.pod_galerkin.galerkin import GalerkinBody
+from physgnn.mechanics.reduced.pod_galerkin.pod import leading_modes
 
 MAX_SNAPSHOTS = 600  # for the modes
 MAX_STATES = 24  # for the weights: (modes × states × cells) numbers in memory

@@ -1,8 +1,8 @@
 """How the internal force curves along a direction: d²/ds² f_int(u + s v) at s = 0.
 
 The right-hand side of the second-order term of an asymptotic expansion
-(`physgnn.mechanics.reduced.asymptotic_expansion`), asked for along many directions from
-few states.
+(`physgnn.mechanics.reduced.expansions.asymptotic`), asked for along many directions
+from few states.
 """
 
 import numpy as np

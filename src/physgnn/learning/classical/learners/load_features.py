@@ -10,7 +10,7 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.storage.store import Store
 from physgnn.dataset.training_loads import strongest_forces
 from physgnn.mechanics.loads.paths import LoadCase
-from physgnn.mechanics.reduced.pod import leading_modes
+from physgnn.mechanics.reduced.pod_galerkin.pod import leading_modes
 
 Rows = NDArray[np.float32]
 

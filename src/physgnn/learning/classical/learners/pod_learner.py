@@ -12,7 +12,7 @@ from physgnn.learning.classical.learners.row_learner import RowLearner
 from physgnn.learning.surrogate import Arrays
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadCase
-from physgnn.mechanics.reduced.pod import leading_modes
+from physgnn.mechanics.reduced.pod_galerkin.pod import leading_modes
 
 N_SNAPSHOTS = 512  # fields the modes are made of, to bound memory
 

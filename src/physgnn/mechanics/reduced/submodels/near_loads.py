@@ -11,7 +11,7 @@ from physgnn.geometry.mesh_topology import points_within
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.loads.paths import LoadCase
-from physgnn.mechanics.reduced.submesh_solve import solve_submesh
+from physgnn.mechanics.reduced.submodels.submesh_solve import solve_submesh
 
 FEW = 3  # loaded points
 LEAST_HOPS = 3  # edges

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from physgnn.mechanics.reduced.pod import leading_modes
+from physgnn.mechanics.reduced.pod_galerkin.pod import leading_modes
 
 
 @pytest.mark.parametrize("n_modes", [3, 5])

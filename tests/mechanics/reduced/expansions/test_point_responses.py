@@ -8,8 +8,8 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.linear.direct_solver import factorized
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.reduced import point_responses
-from physgnn.mechanics.reduced.point_responses import PointResponses
+from physgnn.mechanics.reduced.expansions import point_responses
+from physgnn.mechanics.reduced.expansions.point_responses import PointResponses
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 

@@ -23,8 +23,8 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.second_variation import SecondVariation
 from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.linear.direct_solver import factorized
-from physgnn.mechanics.reduced.point_responses import PointResponses
-from physgnn.mechanics.reduced.recently_used import RecentlyUsed
+from physgnn.mechanics.reduced.expansions.point_responses import PointResponses
+from physgnn.mechanics.reduced.expansions.recently_used import RecentlyUsed
 
 ROUNDING = 1e-3  # of the largest nodal force of an anchor: less is on no loaded point
 

@@ -6,7 +6,7 @@ import pytest
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import LoadCase, LoadPath, NeoHookean, SolverOptions, solve
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.reduced.near_loads import FEW, NearLoads
+from physgnn.mechanics.reduced.submodels.near_loads import FEW, NearLoads
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
 

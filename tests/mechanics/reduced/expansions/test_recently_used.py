@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.mechanics.reduced.recently_used import VARIABLE, RecentlyUsed
+from physgnn.mechanics.reduced.expansions.recently_used import VARIABLE, RecentlyUsed
 
 
 def squares(limit: int | None = None) -> tuple[RecentlyUsed[int, int], list[int]]:

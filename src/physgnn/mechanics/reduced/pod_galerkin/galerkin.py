@@ -2,7 +2,7 @@
 
 u = E w + Φ q, with E the unknowns of a few points, free to move as they like, and Φ
 modes that are zero there. Energy is that of a few weighted cells
-(`physgnn.mechanics.reduced.ecsw`), among them all that touch the points.
+(`physgnn.mechanics.reduced.pod_galerkin.ecsw`), among them all that touch the points.
 """
 
 from dataclasses import replace

@@ -13,8 +13,8 @@ from physgnn.mechanics.equilibrium.solver import Solver, SolverOptions
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.reduced.anchors import mean_load_anchors
-from physgnn.mechanics.reduced.asymptotic_expansion import AsymptoticExpansion
+from physgnn.mechanics.reduced.expansions.anchors import mean_load_anchors
+from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 EXACT = SolverOptions(tolerance_mm=1e-7)

@@ -28,7 +28,7 @@ from physgnn.mechanics.elements.tangent import assemble_tangent
 from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.linear.direct_solver import LinearSolver
 from physgnn.mechanics.reduced.energy_minimiser import minimise
-from physgnn.mechanics.reduced.submesh import CondensedCells, cut_out
+from physgnn.mechanics.reduced.submodels.submesh import CondensedCells, cut_out
 
 COLUMNS_AT_ONCE = 32
 

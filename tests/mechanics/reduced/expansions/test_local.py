@@ -13,7 +13,7 @@ from physgnn.mechanics.linear.direct_solver import make_linear_solver
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.reduced.local_expansion import LocalExpansion
+from physgnn.mechanics.reduced.expansions.local import LocalExpansion
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
 EXACT = SolverOptions(tolerance_mm=1e-7)

@@ -5,7 +5,7 @@ import pytest
 
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import Body, NeoHookean, RestState
-from physgnn.mechanics.reduced.load_distance import LoadDistance, farthest
+from physgnn.mechanics.reduced.expansions.load_distance import LoadDistance, farthest
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 

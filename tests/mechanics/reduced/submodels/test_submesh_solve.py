@@ -9,7 +9,7 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solver import SolverOptions, solve
 from physgnn.mechanics.loads.paths import LoadCase, LoadPath
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.reduced.submesh_solve import solve_submesh
+from physgnn.mechanics.reduced.submodels.submesh_solve import solve_submesh
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
 Solved = tuple[Body, LoadCase, np.ndarray]

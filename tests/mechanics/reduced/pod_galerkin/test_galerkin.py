@@ -11,8 +11,8 @@ from physgnn.mechanics.equilibrium.solver import SolverOptions, solve
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import NeoHookean
-from physgnn.mechanics.reduced.ecsw import cell_works, weigh_cells
-from physgnn.mechanics.reduced.galerkin import GalerkinBody
+from physgnn.mechanics.reduced.pod_galerkin.ecsw import cell_works, weigh_cells
+from physgnn.mechanics.reduced.pod_galerkin.galerkin import GalerkinBody
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 EXACT = SolverOptions(tolerance_mm=1e-7)
