@@ -29,7 +29,7 @@ from physgnn.geometry import (
 )
 from physgnn.geometry.boundary import region_faces
 from physgnn.geometry.segmentation.extract import extract_surfaces
-from physgnn.geometry.segmentation.label_tables import label_table
+from physgnn.geometry.segmentation.labels.label_tables import label_table
 from physgnn.io import read_surface
 from physgnn.io.medical.images.formats import read_segmentation
 from physgnn.mechanics import TISSUES, solve

@@ -21,7 +21,7 @@ from scipy import ndimage
 
 from physgnn.arrays import BoolArray
 from physgnn.geometry.image import Image, LabelVolume
-from physgnn.geometry.segmentation.label_tables import LABEL_TABLES
+from physgnn.geometry.segmentation.labels.label_tables import LABEL_TABLES
 from physgnn.io.medical.images.formats import read_image, read_segmentation
 from physgnn.segmentation.orientation import mask_on, upright
 from physgnn.segmentation.stripped import dice, one_piece

@@ -87,7 +87,7 @@ def test_help_is_whole_sentences(name: str) -> None:
 
 def test_names_that_the_help_spells_out_are_those_of_the_tables() -> None:
     from physgnn.evaluation.measure.baselines import baseline_names
-    from physgnn.geometry.segmentation.label_tables import LABEL_TABLES
+    from physgnn.geometry.segmentation.labels.label_tables import LABEL_TABLES
     from physgnn.io.displacement_files import FORMS
     from physgnn.learning.models import MODELS
     from physgnn.serving.server import PORT

@@ -8,7 +8,7 @@ from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.plausibility import check_volume_ml
-from physgnn.geometry.segmentation.label_tables import SEGMENTED
+from physgnn.geometry.segmentation.labels.label_tables import SEGMENTED
 from physgnn.progress import Log, no_log
 from physgnn.segmentation.backends import AUTO, BACKENDS, chosen
 from physgnn.segmentation.brain_checks import check_brain

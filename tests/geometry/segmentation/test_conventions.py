@@ -12,7 +12,7 @@ from physgnn.geometry import check_nested, check_surface
 from physgnn.geometry.image import LabelVolume
 from physgnn.geometry.segmentation.extract import Segmentation, extract_surfaces
 from physgnn.geometry.segmentation.label_report import check_all_used, label_volumes
-from physgnn.geometry.segmentation.label_tables import (
+from physgnn.geometry.segmentation.labels.label_tables import (
     LABEL_TABLES,
     label_table,
     resolved,

@@ -15,7 +15,7 @@ from physgnn.geometry.segmentation.extract import (
     edge_for,
     extract_surfaces,
 )
-from physgnn.geometry.segmentation.label_tables import (
+from physgnn.geometry.segmentation.labels.label_tables import (
     LABEL_TABLES,
     LabelTable,
     label_table,

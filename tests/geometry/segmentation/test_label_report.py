@@ -13,7 +13,7 @@ from physgnn.geometry.segmentation.label_report import (
     label_volumes,
     not_there,
 )
-from physgnn.geometry.segmentation.label_tables import (
+from physgnn.geometry.segmentation.labels.label_tables import (
     LABEL_TABLES,
     label_table,
     resolved,

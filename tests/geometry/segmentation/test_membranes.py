@@ -5,7 +5,7 @@ import pytest
 
 from physgnn.arrays import IntArray
 from physgnn.geometry.image import LabelVolume
-from physgnn.geometry.segmentation.label_tables import LABEL_TABLES
+from physgnn.geometry.segmentation.labels.label_tables import LABEL_TABLES
 from physgnn.geometry.segmentation.membranes import membrane_sets, sheet_points
 from physgnn.geometry.tetmesh import TetMesh
 

@@ -10,7 +10,7 @@ from heads import template
 from physgnn.errors import InputError
 from physgnn.geometry.image import LabelVolume
 from physgnn.geometry.segmentation.label_report import label_volumes
-from physgnn.geometry.segmentation.label_tables import MASKED, label_table
+from physgnn.geometry.segmentation.labels.label_tables import MASKED, label_table
 from physgnn.io import read_mesh
 from physgnn.stages import mesh
 from physgnn.stages.patient.t1_ventricles import with_t1_ventricles

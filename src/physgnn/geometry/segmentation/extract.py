@@ -6,7 +6,7 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import LabelVolume
-from physgnn.geometry.segmentation.label_tables import LABEL_TABLES, LabelTable
+from physgnn.geometry.segmentation.labels.label_tables import LABEL_TABLES, LabelTable
 from physgnn.geometry.segmentation.masks import SMALLEST_MM3, tissue_masks
 from physgnn.geometry.segmentation.nest import Nest
 from physgnn.geometry.segmentation.volume_fit import SurfaceFit

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import LabelVolume
-from physgnn.geometry.segmentation.label_tables import LabelTable
+from physgnn.geometry.segmentation.labels.label_tables import LabelTable
 from physgnn.geometry.segmentation.volume_fit import dice
 
 # Of the labelled volume that is not outside of the brain.

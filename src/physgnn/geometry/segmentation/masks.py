@@ -15,13 +15,13 @@ from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid, LabelVolume
 from physgnn.geometry.regions import REGIONS
-from physgnn.geometry.segmentation.label_table import LabelTable
-from physgnn.geometry.segmentation.mask_surface import parts_of
-from physgnn.geometry.segmentation.naming import (
+from physgnn.geometry.segmentation.labels.label_table import LabelTable
+from physgnn.geometry.segmentation.labels.naming import (
     piece_names,
     structure_names,
     structures,
 )
+from physgnn.geometry.segmentation.mask_surface import parts_of
 
 Mask = BoolArray
 

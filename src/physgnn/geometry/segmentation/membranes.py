@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.image import ImageGrid, LabelVolume
-from physgnn.geometry.segmentation.label_table import LabelTable
+from physgnn.geometry.segmentation.labels.label_table import LabelTable
 from physgnn.geometry.surface import Surface, edge_lengths
 from physgnn.geometry.tetmesh import TetMesh
 

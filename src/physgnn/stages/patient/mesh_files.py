@@ -11,7 +11,7 @@ from physgnn.geometry import Rule, TetMesh, check_quality, select
 from physgnn.geometry.plausibility import check_millimetres, check_volume_ml
 from physgnn.geometry.regions import REGIONS
 from physgnn.geometry.segmentation.label_report import MOST_UNUSED
-from physgnn.geometry.segmentation.tissue_names import (
+from physgnn.geometry.segmentation.labels.tissue_names import (
     DEFAULT,
     listed,
     tissues_by_name,

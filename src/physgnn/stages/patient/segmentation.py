@@ -19,15 +19,15 @@ from physgnn.geometry.segmentation.label_report import (
     label_volumes,
     not_there,
 )
-from physgnn.geometry.segmentation.label_tables import (
+from physgnn.geometry.segmentation.labels.label_tables import (
     LABEL_TABLES,
     MASKED,
     LabelTable,
     label_table,
     resolved,
 )
+from physgnn.geometry.segmentation.labels.tissue_names import DEFAULT, tissues_by_name
 from physgnn.geometry.segmentation.membranes import membrane_sets
-from physgnn.geometry.segmentation.tissue_names import DEFAULT, tissues_by_name
 from physgnn.geometry.segmentation.ventricles import with_ventricles
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging import deformed_labels
@@ -77,9 +77,9 @@ def mesh_segmentation(
     path : path
         Label map of any format in `physgnn.io.medical.images.formats`.
     labels : str
-        A name in `physgnn.geometry.segmentation.label_tables.LABEL_TABLES`, or such as
-        ``"brain=1,tumour=4"``. Of a segmentation of 3D Slicer, "mask" goes by the names
-        of its segments, and the list may have these names instead of numbers.
+        A name in `physgnn.geometry.segmentation.labels.label_tables.LABEL_TABLES`, or
+        such as ``"brain=1,tumour=4"``. Of a segmentation of 3D Slicer, "mask" goes by
+        the names of its segments, and the list may have these names instead of numbers.
     target_points : int
         About how many points the mesh shall have.
     log : callable

@@ -8,7 +8,7 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import LabelVolume
-from physgnn.geometry.segmentation.label_tables import MASKED, LabelTable
+from physgnn.geometry.segmentation.labels.label_tables import MASKED, LabelTable
 from physgnn.io.medical.images.formats import read_image
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log

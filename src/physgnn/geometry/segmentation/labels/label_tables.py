@@ -6,9 +6,9 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from physgnn.errors import InputError
-from physgnn.geometry.segmentation.anatomical_labels import ANATOMICAL
-from physgnn.geometry.segmentation.label_table import LabelTable
-from physgnn.geometry.segmentation.tumour_labels import MASKED, TUMOUR
+from physgnn.geometry.segmentation.labels.anatomical_labels import ANATOMICAL
+from physgnn.geometry.segmentation.labels.label_table import LabelTable
+from physgnn.geometry.segmentation.labels.tumour_labels import MASKED, TUMOUR
 
 __all__ = ["LABEL_TABLES", "MASKED", "LabelTable", "label_table", "resolved"]
 

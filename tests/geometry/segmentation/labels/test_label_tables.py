@@ -1,7 +1,7 @@
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.geometry.segmentation.label_tables import (
+from physgnn.geometry.segmentation.labels.label_tables import (
     LABEL_TABLES,
     LabelTable,
     label_table,

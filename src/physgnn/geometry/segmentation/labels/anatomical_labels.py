@@ -10,7 +10,7 @@ FSL's ``sub-maxprob`` maps.
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from physgnn.geometry.segmentation.label_table import LabelTable
+from physgnn.geometry.segmentation.labels.label_table import LabelTable
 
 # Cortex and the white matter below it, by Desikan (1000-4035) and by Destrieux
 # (11100-14175), and what is left unsegmented of the white matter (5001, 5002).

@@ -3,7 +3,7 @@
 import pytest
 
 from physgnn.errors import InputError
-from physgnn.geometry.segmentation.tissue_names import tissue_of, tissues_by_name
+from physgnn.geometry.segmentation.labels.tissue_names import tissue_of, tissues_by_name
 
 NAMES = {1: "Brain", 3: "Tumor core", 4: "left lateral ventricle", 5: "Segment_5"}
 

@@ -10,7 +10,7 @@ radiotherapy, 2024); Simpson et al., arXiv 1902.09063 (MSD, task 1).
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from physgnn.geometry.segmentation.label_table import LabelTable
+from physgnn.geometry.segmentation.labels.label_table import LabelTable
 
 MASKED = 5  # what a brain mask adds
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import BoolArray
 from physgnn.geometry.regions import REGIONS, VENTRICLE
-from physgnn.geometry.segmentation.label_table import LabelTable
+from physgnn.geometry.segmentation.labels.label_table import LabelTable
 
 # A structure that makes up less of a piece than this gives it no name.
 LEAST_SHARE = 0.02
