@@ -14,7 +14,7 @@ from physgnn.evaluation.measure.coverage import (
     bound_pairs,
     write_bars,
 )
-from physgnn.evaluation.report.coverage_chart import bars_chart
+from physgnn.evaluation.report.plots.coverage_chart import bars_chart
 
 
 def sample(level: int, *, likely: float, bound: float) -> BarSample:

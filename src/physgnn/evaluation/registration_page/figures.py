@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from physgnn.evaluation.registration_page.case import RegisteredCase
 from physgnn.evaluation.registration_page.places import MeasuredPlace
-from physgnn.evaluation.report.panels import Picture, save_picture
+from physgnn.evaluation.report.plots.panels import Picture, save_picture
 from physgnn.evaluation.report.style import SPARE_COLOURS, colour
 from physgnn.geometry.image import Image
 from physgnn.imaging import before_after, deformed_labels, grid_around, inverse_field

@@ -11,7 +11,7 @@ from physgnn.evaluation.registration_page.figures import draw_registration
 from physgnn.evaluation.registration_page.places import MeasuredPlace
 from physgnn.evaluation.report.formats import duration, mm, percent
 from physgnn.evaluation.report.page import Parts, environment
-from physgnn.evaluation.report.panels import Picture
+from physgnn.evaluation.report.plots.panels import Picture
 from physgnn.evaluation.report.tables import Table
 from physgnn.io.integrity.atomic import write_whole
 

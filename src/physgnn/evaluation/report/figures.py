@@ -13,20 +13,20 @@ from physgnn.choices import Estimate
 from physgnn.dataset.storage.store import Store
 from physgnn.evaluation.measure.coverage import BarSample
 from physgnn.evaluation.measure.result import ModelErrors, Report
-from physgnn.evaluation.report import scenes
-from physgnn.evaluation.report.charts import (
+from physgnn.evaluation.report.plots import scenes
+from physgnn.evaluation.report.plots.charts import (
     estimate_chart,
     histogram_chart,
     level_chart,
 )
-from physgnn.evaluation.report.coverage_chart import bars_chart
-from physgnn.evaluation.report.panels import (
+from physgnn.evaluation.report.plots.coverage_chart import bars_chart
+from physgnn.evaluation.report.plots.panels import (
     Picture,
     colour_bar,
     save_picture,
     side_by_side,
 )
-from physgnn.evaluation.report.scenes import Pixels, View
+from physgnn.evaluation.report.plots.scenes import Pixels, View
 from physgnn.evaluation.report.style import (
     BRAIN,
     DISPLACEMENT_MAP,

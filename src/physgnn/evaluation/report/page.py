@@ -14,7 +14,7 @@ from physgnn.evaluation.measure.gentle_loads import GENTLE_N
 from physgnn.evaluation.measure.result import ModelErrors, Report
 from physgnn.evaluation.report import published, tables
 from physgnn.evaluation.report.formats import duration, mm, percent
-from physgnn.evaluation.report.panels import Picture
+from physgnn.evaluation.report.plots.panels import Picture
 from physgnn.evaluation.report.style import colour, label
 from physgnn.evaluation.report.tables import Table, group_label
 from physgnn.evaluation.report.verdict import linear_warning

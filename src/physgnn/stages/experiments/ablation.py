@@ -11,7 +11,7 @@ import numpy as np
 
 from physgnn.dataset import Split, Store, named_split
 from physgnn.errors import InputError
-from physgnn.evaluation.report.ablation_chart import Point, draw_ablation
+from physgnn.evaluation.report.plots.ablation_chart import Point, draw_ablation
 from physgnn.io.integrity.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
@@ -20,7 +20,7 @@ from physgnn.progress import Progress
 from physgnn.stages.experiments.pipeline import can_resume
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
-    from physgnn.evaluation.report.ablation_chart import Point
+    from physgnn.evaluation.report.plots.ablation_chart import Point
 
 RESULTS = "ablation.json"
 FIGURE = "ablation.png"
@@ -188,7 +188,7 @@ def table(panels: Mapping[str, "Sequence[Point]"]) -> str:
 def _points(
     losses: Mapping[tuple[int, int, int], float], rows: Mapping[int, tuple[int, int]]
 ) -> "list[Point]":
-    from physgnn.evaluation.report.ablation_chart import Point
+    from physgnn.evaluation.report.plots.ablation_chart import Point
 
     return [
         Point(dataset, replaced, tuple(losses[run] for run in runs))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from physgnn.config.materials import material_table
 from physgnn.errors import InputError
-from physgnn.evaluation.report.stress_chart import draw_stress, errors_in_words
+from physgnn.evaluation.report.plots.stress_chart import draw_stress, errors_in_words
 from physgnn.io.integrity.atomic import check_folder, write_whole
 from physgnn.io.stress_curves import read_stress_curves
 from physgnn.mechanics.materials import Material

@@ -11,7 +11,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
-from physgnn.evaluation.report.scenes import Pixels
+from physgnn.evaluation.report.plots.scenes import Pixels
 from physgnn.evaluation.report.style import THEMES
 from physgnn.io.integrity.atomic import whole_file
 
