@@ -33,7 +33,7 @@ from physgnn.mechanics.equilibrium.solver import Solver
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.sampling import equal_levels, inward_normals
-from physgnn.stages.patient.surface_meshing import mesh_surfaces
+from physgnn.stages.patient.preoperative.surface_meshing import mesh_surfaces
 from tables import load_kernels, machine, table
 
 PATCH_MM, PATCH_FORCE_N, N_LEVELS = 20.0, 4.0, 10  # the same on every mesh

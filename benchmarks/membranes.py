@@ -19,8 +19,8 @@ from physgnn.geometry import TetMesh, boundary_surface
 from physgnn.io import read_mesh, write_mesh
 from physgnn.mechanics import TISSUES, solve
 from physgnn.mechanics.loads.sampling import cone_paths
-from physgnn.stages.patient.case_file import craniotomy_at
-from physgnn.stages.patient.segmentation import mesh_segmentation
+from physgnn.stages.patient.preoperative.case_file import craniotomy_at
+from physgnn.stages.patient.preoperative.segmentation import mesh_segmentation
 
 TRACTION_PA = 500.0  # Pa on what is laid open
 SUPPORTS = ("left-out", "elastic", "held")

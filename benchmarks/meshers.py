@@ -34,7 +34,7 @@ from physgnn.io import read_surface
 from physgnn.io.medical.images.formats import read_segmentation
 from physgnn.mechanics import TISSUES, solve
 from physgnn.mechanics.loads.sampling import cone_paths
-from physgnn.stages.patient.case_file import craniotomy_at
+from physgnn.stages.patient.preoperative.case_file import craniotomy_at
 
 MATERIALS = {i: TISSUES[name].material for i, name in enumerate(("brain", "tumour"))}
 TRACTIONS_PA = (500.0, 1000.0)

@@ -24,7 +24,7 @@ from physgnn.arrays import FloatArray
 from physgnn.geometry.image import ImageGrid, LabelVolume
 from physgnn.imaging.transforms import from_itk, to_itk
 from physgnn.io.medical.images.formats import write_image
-from physgnn.stages.patient.segmentation import mesh_segmentation
+from physgnn.stages.patient.preoperative.segmentation import mesh_segmentation
 
 LABELS = "brain=1,tumour=4,ventricle=6"
 TUMOUR, TUMOUR_MM = (33.0, 5.0, 48.0), 11.0

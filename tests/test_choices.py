@@ -20,7 +20,7 @@ from physgnn.mechanics.materials.fitted_laws import FAMILIES
 from physgnn.registration.skull import SUPPORTS
 from physgnn.segmentation.backends import AUTO, BACKENDS
 from physgnn.segmentation.contrasts import FLUID_IS_BRIGHT
-from physgnn.stages.patient.measured_files import TRANSFORMED
+from physgnn.stages.patient.intraoperative.measured_files import TRANSFORMED
 
 
 @pytest.mark.parametrize(

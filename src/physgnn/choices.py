@@ -26,7 +26,7 @@ TABLES = {
     "Clock": ("learning/training/budget.py", "CLOCKS"),
     "PrecisionName": ("learning/physgnn/precision.py", "PRECISIONS"),
     "Skull": ("registration/skull.py", "SUPPORTS"),
-    "Transformed": ("stages/patient/measured_files.py", "TRANSFORMED"),
+    "Transformed": ("stages/patient/intraoperative/measured_files.py", "TRANSFORMED"),
     "AffineForm": ("io/medical/images/nifti_place.py", "FORMS"),
     "Interpolation": ("imaging/image_warping.py", "INTERPOLATIONS"),
     "BrainBackend": ("segmentation/backends/__init__.py", "BACKENDS"),

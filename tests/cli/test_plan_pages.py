@@ -15,7 +15,7 @@ from physgnn.cli import main
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.io import write_mesh, write_prediction
 from physgnn.io.medical.images.formats import read_image, write_image
-from physgnn.stages.patient.registration import register
+from physgnn.stages.patient.intraoperative.registration import register
 
 BODY = block_mesh(4, side=80.0)
 TOP = BODY.points[BODY.point_set("loaded")]

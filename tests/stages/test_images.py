@@ -13,10 +13,10 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh, write_prediction
 from physgnn.io.medical.images.formats import read_image, read_segmentation, write_image
 from physgnn.io.vtk.prediction_file import read_displacement
-from physgnn.stages.patient.meshing import mesh
-from physgnn.stages.patient.registration import register
-from physgnn.stages.patient.segmentation import mesh_segmentation
-from physgnn.stages.patient.warping import warp
+from physgnn.stages.patient.images.warping import warp
+from physgnn.stages.patient.intraoperative.registration import register
+from physgnn.stages.patient.preoperative.meshing import mesh
+from physgnn.stages.patient.preoperative.segmentation import mesh_segmentation
 
 needs_tetgen = pytest.mark.skipif(
     not tetgen_process.available(), reason="meshing needs the tetgen extra"

@@ -62,7 +62,7 @@ def warp(
     series: SeriesOption = None,
 ) -> None:
     """Deform an image, or what was planned on it, as a prediction says."""
-    from physgnn.stages.patient.warping import result_name
+    from physgnn.stages.patient.images.warping import result_name
 
     with working("warping"):
         stages.warp(

@@ -15,15 +15,15 @@ from .materials.fitting import fit_material as fit_material
 from .networks.evaluation import evaluate as evaluate
 from .networks.published_weights import published as published
 from .networks.training import train as train
-from .patient.adaptation import adapt as adapt
-from .patient.case_file import init as init
-from .patient.meshing import mesh as mesh
-from .patient.prediction import predict as predict
-from .patient.registration import register as register
-from .patient.segmenting import segment as segment
-from .patient.uncertainty_images import uncertainty as uncertainty
-from .patient.viewing import view as view
-from .patient.warping import warp as warp
+from .patient.images.uncertainty_images import uncertainty as uncertainty
+from .patient.images.warping import warp as warp
+from .patient.intraoperative.prediction import predict as predict
+from .patient.intraoperative.registration import register as register
+from .patient.intraoperative.viewing import view as view
+from .patient.preoperative.adaptation import adapt as adapt
+from .patient.preoperative.case_file import init as init
+from .patient.preoperative.meshing import mesh as mesh
+from .patient.preoperative.segmenting import segment as segment
 from .slicer_modules.launchers import slicer as slicer
 
 __all__: list[str]

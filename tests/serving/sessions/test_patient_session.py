@@ -13,7 +13,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from physgnn.serving.protocol.frames import decode
 from physgnn.serving.sessions.engine import Engine
-from physgnn.stages.patient.registration import register
+from physgnn.stages.patient.intraoperative.registration import register
 
 WAIT = 120.0
 SIDE_X = 80.0

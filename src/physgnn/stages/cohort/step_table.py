@@ -13,7 +13,7 @@ if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need
     from physgnn.geometry import TetMesh
     from physgnn.prediction.prediction import Prediction
     from physgnn.registration.registrar import Registration
-    from physgnn.stages.patient.adaptation import Adapted
+    from physgnn.stages.patient.preoperative.adaptation import Adapted
 
 Figures = dict[str, Any]
 """What the table of results says of a step: column → what JSON can hold."""

@@ -17,7 +17,7 @@ from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.numbers import real_numbers, whole_numbers
 from physgnn.progress import Progress
 from physgnn.stages.datasets.simulation import processes, simulate_mesh
-from physgnn.stages.patient.surface_meshing import mesh_surfaces
+from physgnn.stages.patient.preoperative.surface_meshing import mesh_surfaces
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.benchmark.running import TaskData

@@ -10,7 +10,7 @@ from physgnn.io.integrity.atomic import whole_file
 from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.experiments.pipeline import Pipeline
 from physgnn.stages.experiments.recipe import RUN, SPLIT, Recipe
-from physgnn.stages.patient.prediction import predict
+from physgnn.stages.patient.intraoperative.prediction import predict
 
 if TYPE_CHECKING:
     from physgnn.evaluation.measure.result import Report

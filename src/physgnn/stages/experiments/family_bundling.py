@@ -21,7 +21,7 @@ from physgnn.stages.datasets.synthetic_patients import anatomies
 from physgnn.stages.experiments.packaged_run import check_size, slim_copy
 from physgnn.stages.experiments.pipeline import can_resume
 from physgnn.stages.networks.training import train_run
-from physgnn.stages.patient.adaptation import adapt_run
+from physgnn.stages.patient.preoperative.adaptation import adapt_run
 
 if TYPE_CHECKING:
     from physgnn.evaluation.measure.result import Report

@@ -19,7 +19,7 @@ from physgnn.learning.runs.folder import RunFolder
 from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.datasets.simulation import processes, simulate_mesh
 from physgnn.stages.networks.training import train_run
-from physgnn.stages.patient.surface_meshing import mesh_surfaces
+from physgnn.stages.patient.preoperative.surface_meshing import mesh_surfaces
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.measure.result import Report

@@ -11,7 +11,7 @@ from physgnn.io.integrity.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.experiments.pipeline import Pipeline
-from physgnn.stages.patient.meshing import named_surfaces
+from physgnn.stages.patient.preoperative.meshing import named_surfaces
 
 if TYPE_CHECKING:
     from physgnn.evaluation.measure.result import Report

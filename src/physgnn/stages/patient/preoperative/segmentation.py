@@ -34,8 +34,8 @@ from physgnn.imaging import deformed_labels
 from physgnn.io.medical.images.formats import read_image, read_segmentation
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log
-from physgnn.stages.patient.surface_meshing import mesh_surfaces
-from physgnn.stages.patient.t1_ventricles import with_t1_ventricles
+from physgnn.stages.patient.preoperative.surface_meshing import mesh_surfaces
+from physgnn.stages.patient.preoperative.t1_ventricles import with_t1_ventricles
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def mesh_segmentation(
         labels that are not named may be left out. ``any_size=True``: the brain may have
         less than 50 or more than 2500 ml. ``smoothing_mm``, ``closing_mm`` and
         ``smallest_mm3`` of `extract_surfaces`; ``rules`` and ``quality_floor`` of
-        `physgnn.stages.patient.surface_meshing.mesh_surfaces`.
+        `physgnn.stages.patient.preoperative.surface_meshing.mesh_surfaces`.
 
     Returns
     -------

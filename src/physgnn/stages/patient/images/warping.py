@@ -30,7 +30,7 @@ from physgnn.io.plans.plan import Plan
 from physgnn.io.surfaces.formats import SURFACE_READERS
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.progress import Log, no_log
-from physgnn.stages.patient.plans import warp_plan
+from physgnn.stages.patient.images.plans import warp_plan
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,7 @@ from physgnn.geometry.segmentation.label_report import label_volumes
 from physgnn.geometry.segmentation.labels.label_tables import MASKED, label_table
 from physgnn.io import read_mesh
 from physgnn.stages import mesh
-from physgnn.stages.patient.t1_ventricles import with_t1_ventricles
+from physgnn.stages.patient.preoperative.t1_ventricles import with_t1_ventricles
 
 TUMOUR_MM, RADIUS, OEDEMA = (20.0, -30.0, 30.0), 10.0, 16.0
 

@@ -13,7 +13,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh
 from physgnn.stages.datasets.simulation import simulate
-from physgnn.stages.patient.case_file import init
+from physgnn.stages.patient.preoperative.case_file import init
 
 
 @pytest.fixture

@@ -23,9 +23,9 @@ from physgnn.io import read_mesh, write_mesh
 from physgnn.io.integrity.atomic import whole_file, write_whole
 from physgnn.io.medical.markups import POINT_READERS
 from physgnn.io.surfaces.formats import SURFACE_READERS
-from physgnn.stages.patient.adaptation import adapt
-from physgnn.stages.patient.case_file import case_text, craniotomy_at
-from physgnn.stages.patient.registration import register
+from physgnn.stages.patient.intraoperative.registration import register
+from physgnn.stages.patient.preoperative.adaptation import adapt
+from physgnn.stages.patient.preoperative.case_file import case_text, craniotomy_at
 
 if TYPE_CHECKING:
     from physgnn.registration.registrar import Registration

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from physgnn.errors import InputError
 from physgnn.progress import Log
-from physgnn.stages.patient.case_desk import CaseDesk
+from physgnn.stages.patient.intraoperative.case_desk import CaseDesk
 
 DEFAULT_PORT = 8750
 

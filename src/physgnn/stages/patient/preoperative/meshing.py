@@ -54,10 +54,10 @@ def mesh(
         Where the mesh goes, VTU.
     segmentation : path, optional
         Label map, see `physgnn.io.medical.images.formats`, or a mesh of tetrahedra, see
-        `physgnn.stages.patient.mesh_files`; or else `brain`, or `mni152`.
+        `physgnn.stages.patient.preoperative.mesh_files`; or else `brain`, or `mni152`.
     labels, brain_mask, ventricles, smoothing_mm, closing_mm, smallest_mm3
         How the label map is read: see
-        `physgnn.stages.patient.segmentation.mesh_segmentation`.
+        `physgnn.stages.patient.preoperative.segmentation.mesh_segmentation`.
     brain : path, optional
         Surface of the brain, in mm: see `physgnn.io.surfaces.formats`.
     tumour : sequence of path
@@ -103,9 +103,12 @@ def mesh(
     from physgnn.config import read_point_sets
     from physgnn.io import write_mesh
     from physgnn.io.integrity.atomic import check_folder
-    from physgnn.stages.patient.mesh_files import is_mesh_file, mesh_of_file
-    from physgnn.stages.patient.segmentation import mesh_segmentation
-    from physgnn.stages.patient.surface_meshing import mesh_surfaces
+    from physgnn.stages.patient.preoperative.mesh_files import (
+        is_mesh_file,
+        mesh_of_file,
+    )
+    from physgnn.stages.patient.preoperative.segmentation import mesh_segmentation
+    from physgnn.stages.patient.preoperative.surface_meshing import mesh_surfaces
 
     check_folder(Path(out))
     if ventricles is not None and (segmentation is None or is_mesh_file(segmentation)):

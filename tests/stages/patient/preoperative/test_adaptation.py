@@ -25,7 +25,7 @@ from physgnn.prediction import PredictionStatus, Predictor
 from physgnn.prediction.error_bounds.calibration import Calibration
 from physgnn.stages.datasets.simulation import simulate_mesh
 from physgnn.stages.networks.training import train_run
-from physgnn.stages.patient.adaptation import adapt, adapt_run, family_run
+from physgnn.stages.patient.preoperative.adaptation import adapt, adapt_run, family_run
 
 PRESET = Preset(
     {0: NeoHookean(3000.0, 0.4), 1: NeoHookean(7500.0, 0.4)},

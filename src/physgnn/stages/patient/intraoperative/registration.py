@@ -15,8 +15,8 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
 from physgnn.progress import Log, no_log
-from physgnn.stages.patient.measured_files import read_measured
-from physgnn.stages.patient.registration_report import (
+from physgnn.stages.patient.intraoperative.measured_files import read_measured
+from physgnn.stages.patient.intraoperative.registration_report import (
     page_in,
     registered_case,
     write_page,
@@ -83,7 +83,7 @@ def register(
     transformed : str
         "both" ends of pairs are measured in that space, or those "after" alone, those
         before being of the scan (a row of
-        `physgnn.stages.patient.measured_files.TRANSFORMED`).
+        `physgnn.stages.patient.intraoperative.measured_files.TRANSFORMED`).
     noise_mm : float
         Standard deviation of each coordinate measured, mm.
     landmark_noise_mm, surface_noise_mm, whole_surface_noise_mm : float, optional

@@ -12,10 +12,10 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.predictor import Predictor
-from physgnn.stages.patient.case_desk import CaseDesk
-from physgnn.stages.patient.case_file import init
-from physgnn.stages.patient.registration import register
-from physgnn.stages.patient.viewing import view
+from physgnn.stages.patient.intraoperative.case_desk import CaseDesk
+from physgnn.stages.patient.intraoperative.registration import register
+from physgnn.stages.patient.intraoperative.viewing import view
+from physgnn.stages.patient.preoperative.case_file import init
 
 SIDE = 80.0
 
