@@ -5,21 +5,18 @@ import sys
 
 import typer
 
-from physgnn.cli import (
-    exchange,
-    experiments,
+from physgnn.cli.outputs import guarded
+from physgnn.cli.patient import (
     images,
-    materials,
     patients,
     predictions,
     registrations,
     segmenting,
     simulation,
-    training,
     uncertainties,
     viewing,
 )
-from physgnn.cli.outputs import guarded
+from physgnn.cli.studies import exchange, experiments, materials, training
 from physgnn.errors import InputError
 from physgnn.stages.naming import COMMANDS
 
