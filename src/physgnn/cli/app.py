@@ -2,21 +2,14 @@
 
 import inspect
 import sys
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from pkgutil import iter_modules
 
 import typer
 
+from physgnn.cli import patient, studies
 from physgnn.cli.outputs import guarded
-from physgnn.cli.patient import (
-    images,
-    patients,
-    predictions,
-    registrations,
-    segmenting,
-    simulation,
-    uncertainties,
-    viewing,
-)
-from physgnn.cli.studies import exchange, experiments, materials, training
 from physgnn.errors import InputError
 from physgnn.stages.naming import COMMANDS
 
@@ -27,32 +20,34 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-MODULES = (
-    segmenting,
-    simulation,
-    training,
-    predictions,
-    exchange,
-    experiments,
-    materials,
-    patients,
-    images,
-    registrations,
-    uncertainties,
-    viewing,
+MODULES = tuple(
+    import_module(f"{room.__name__}.{found.name}")
+    for room in (patient, studies)
+    for found in iter_modules(room.__path__)
 )
-"""Every public function that one of these defines is a command, in this order."""
+"""Every public function that one of these defines is a command."""
+WORKFLOW = (
+    "segment", "mesh", "init", "simulate", "train", "evaluate", "adapt", "predict",
+    "register", "warp", "uncertainty", "view", "batch",
+)  # fmt: skip
+"""What the help lists first, in the order of use; the other commands follow."""
 HIDDEN = frozenset({"bundle"})
 """Commands that the help does not list: they are for those who make a release."""
 NAMES = {function: command for command, function in COMMANDS.items()}
 
 
-def _register() -> None:
+def _commands() -> Iterator[tuple[str, Callable[..., None]]]:
     for module in MODULES:
         for name, function in vars(module).items():
             its_own = getattr(function, "__module__", "") == module.__name__
             if its_own and inspect.isfunction(function) and not name.startswith("_"):
-                app.command(NAMES[name], hidden=name in HIDDEN)(guarded(function))
+                yield NAMES[name], function
+
+
+def _register() -> None:
+    found = dict(_commands())
+    for name in sorted(found, key=(*WORKFLOW, *found).index):
+        app.command(name, hidden=name in HIDDEN)(guarded(found[name]))
 
 
 _register()
