@@ -20,7 +20,7 @@ from physgnn.stages.datasets.simulation import processes, simulate_mesh
 from physgnn.stages.patient.preoperative.surface_meshing import mesh_surfaces
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
-    from physgnn.evaluation.benchmark.running import TaskData
+    from physgnn.evaluation.benchmark.job import TaskData
     from physgnn.evaluation.benchmark.tasks import Task
 
 SURFACE_POINTS, LARGEST_CELL_MM3 = 300, 1e4  # of the tiny mesh: some 800 points
@@ -67,7 +67,7 @@ def task_data(
     InputError
         If they are others than the task's.
     """
-    from physgnn.evaluation.benchmark.running import TaskData
+    from physgnn.evaluation.benchmark.job import TaskData
     from physgnn.evaluation.benchmark.tasks import TASKS
 
     task = TASKS[name]

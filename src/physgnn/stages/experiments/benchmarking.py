@@ -9,8 +9,8 @@ from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.experiments.benchmark_data import NotAtHandError, task_data
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
+    from physgnn.evaluation.benchmark.job import MethodOnTask, TaskData
     from physgnn.evaluation.benchmark.result import BenchmarkResult
-    from physgnn.evaluation.benchmark.running import MethodOnTask, TaskData
 
 DATA, RUNS = "data", "runs"  # beside the tasks' folders of results
 PAGE, CHART = "benchmark.md", "benchmark.svg"
@@ -132,8 +132,8 @@ def benchmark(
 def _jobs(
     data: "TaskData", methods: tuple[str, ...], minutes: float, seed: int, folder: Path
 ) -> "list[MethodOnTask]":
+    from physgnn.evaluation.benchmark.job import MethodOnTask
     from physgnn.evaluation.benchmark.methods import Method
-    from physgnn.evaluation.benchmark.running import MethodOnTask
 
     return [
         MethodOnTask(
