@@ -9,10 +9,9 @@ import pytest
 from ctk_cli import CLIModule
 
 from physgnn import stages
-from physgnn.stages.slicer_modules import module_table
 from physgnn.stages.slicer_modules.description import xml_of
 from physgnn.stages.slicer_modules.module_table import ROWS, modules
-from physgnn.stages.slicer_modules.parameters import Module
+from physgnn.stages.slicer_modules.parameters import Module, Parameter
 
 TRANSLATED = {
     "PhysGNNMesh": {"craniotomy", "radius_mm", "mesh", "surfaces"},
@@ -75,7 +74,7 @@ def test_ctk_reads_the_description(
 
 @THERE
 def test_what_is_text_stays_text(module: Module) -> None:
-    odd = module_table.Parameter("string", "odd", "<b> & 'c'", 'less < more "x"')
+    odd = Parameter("string", "odd", "<b> & 'c'", 'less < more "x"')
     changed = Module(
         module.name,
         module.command,
