@@ -1,15 +1,15 @@
 // The page: what is chosen, what is asked of the server, what is shown of its predictions.
 
 import * as THREE from "three";
-import { FIELDS, rangeOf, setFields } from "./colours.js";
-import { saveLoadCase, savePicture } from "./save.js";
-import { listen } from "./keys.js";
-import { Link } from "./link.js";
-import { Load } from "./load.js";
-import * as panel from "./panel.js";
-import { Patient } from "./patient.js";
-import { Stage } from "./stage.js";
-import { Touch } from "./touch.js";
+import { FIELDS, rangeOf, setFields } from "./scene/colours.js";
+import { saveLoadCase, savePicture } from "./controls/save.js";
+import { listen } from "./controls/keys.js";
+import { Link } from "./protocol/link.js";
+import { Load } from "./controls/load.js";
+import * as panel from "./controls/panel.js";
+import { Patient } from "./controls/patient.js";
+import { Stage } from "./scene/stage.js";
+import { Touch } from "./controls/touch.js";
 
 const { $, NAMES } = panel;
 const SOLVED = "finite elements";

@@ -1,7 +1,7 @@
 // Cameras and drawing: one or several bodies side by side, seen from the same place.
 
 import * as THREE from "three";
-import { OrbitControls } from "./vendor/OrbitControls.js";
+import { OrbitControls } from "../vendor/OrbitControls.js";
 import { BodyView } from "./body.js";
 
 const LETTERS = { R: [1, 0, 0], L: [-1, 0, 0], A: [0, 1, 0], P: [0, -1, 0], S: [0, 0, 1], I: [0, 0, -1] };

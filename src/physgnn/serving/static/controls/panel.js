@@ -1,6 +1,6 @@
 // The panel beside the brain: what it shows and what it lets one choose.
 
-import { drawLegend, FIELDS, ticks } from "./colours.js";
+import { drawLegend, FIELDS, ticks } from "../scene/colours.js";
 
 export const $ = (id) => document.getElementById(id);
 

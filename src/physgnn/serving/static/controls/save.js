@@ -1,6 +1,6 @@
 // What one can take away: a picture with its caption, and the load case.
 
-import { FIELDS, ticks } from "./colours.js";
+import { FIELDS, ticks } from "../scene/colours.js";
 
 function download(blob, name) {
   const link = document.createElement("a");
