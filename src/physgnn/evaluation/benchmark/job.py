@@ -1,4 +1,4 @@
-"""A method on a task's data: what a benchmark runs, and what its result follows from."""
+"""A method on a task's data, and what its result follows from."""
 
 import hashlib
 import inspect
