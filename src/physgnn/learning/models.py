@@ -23,13 +23,13 @@ MODELS: Mapping[str, str] = {
     "linear-regression": (
         "physgnn.learning.classical.linear_regression:LinearRegression"
     ),
-    "decision-tree": "physgnn.learning.classical.decision_tree:DecisionTree",
-    "random-forest": "physgnn.learning.classical.random_forest:RandomForest",
+    "decision-tree": "physgnn.learning.classical.regression_trees:DecisionTree",
+    "random-forest": "physgnn.learning.classical.regression_trees:RandomForest",
     "svr": "physgnn.learning.classical.support_vector:SupportVectors",
     "gpr": "physgnn.learning.classical.gaussian_process:GaussianProcess",
     "rbf": "physgnn.learning.classical.radial_basis:RadialBasis",
     "pod-network": "physgnn.learning.classical.pod_network:PODNetwork",
-    "extra-trees": "physgnn.learning.classical.extra_trees:ExtraTrees",
+    "extra-trees": "physgnn.learning.classical.regression_trees:ExtraTrees",
     "mlp": "physgnn.learning.classical.nodal_network:NodalNetwork",
     "galerkin": "physgnn.learning.reduced_order.pod_galerkin:GalerkinModel",
     "reduced": "physgnn.learning.reduced_order.local_expansion:ReducedModel",
