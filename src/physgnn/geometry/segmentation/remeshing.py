@@ -10,6 +10,7 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid
+from physgnn.geometry.normals import area_vectors
 from physgnn.geometry.segmentation.extract import edge_for
 from physgnn.geometry.segmentation.mask_surface import with_volume
 from physgnn.geometry.segmentation.masks import TissueMasks
@@ -67,7 +68,7 @@ def remeshed(
     if not 1_000 <= target_points <= 200_000:
         raise InputError(f"target_points must be in 1000…200000 (got {target_points})")
     edge = edge_for(volume(brain), target_points)
-    area = float(np.linalg.norm(_areas(brain), axis=1).sum())
+    area = float(np.linalg.norm(area_vectors(brain.points, brain.faces), axis=1).sum())
     log(
         f"brain: a surface of {brain.n_points} points remeshed, edges of {edge:.1f} mm "
         f"and at most {int(POINTS_PER_AREA * area / edge**2) + 40} points, for a mesh "
@@ -91,11 +92,6 @@ def remeshed(
     for line in (*nest.notes, *(f"{name}: {fit}" for name, fit in nest.fits.items())):
         log(line)
     return _of_volumes([new_brain, *new_tumours], [brain, *tumours])
-
-
-def _areas(surface: Surface) -> np.ndarray:
-    a, b, c = np.moveaxis(surface.points[surface.faces], 1, 0)
-    return np.asarray(np.cross(b - a, c - a) / 2.0)
 
 
 def _grid(brain: Surface, step: float) -> ImageGrid:

@@ -10,6 +10,7 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_indices
 from physgnn.geometry.boundary import boundary_faces
+from physgnn.geometry.normals import area_vectors
 from physgnn.geometry.tetmesh import TetMesh
 
 
@@ -51,8 +52,7 @@ class SurfacePressure:
         """Return force(u, load factor), (n_points, 3), N."""
 
         def force(u: FloatArray, load_factor: float) -> FloatArray:
-            a, b, c = (mesh.points + u)[self.faces].transpose(1, 0, 2)
-            area = np.cross(b - a, c - a) / 2
+            area = area_vectors(mesh.points + u, self.faces)
             at_corner = -1e-6 * self.pressure_pa * load_factor * area / 3
             total = np.zeros_like(u)
             np.add.at(total, self.faces, at_corner[:, None])

@@ -5,7 +5,7 @@ import numpy as np
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_surface
-from physgnn.geometry.normals import vertex_normals
+from physgnn.geometry.normals import area_vectors, vertex_normals
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads.paths import LoadPath
 
@@ -199,9 +199,8 @@ def traction_paths(
     """
     nodes = by_position(mesh, loaded)
     surface = boundary_surface(mesh)
-    faces = surface.points[surface.faces[np.isin(surface.faces, nodes).all(axis=1)]]
-    edges = faces[:, 1:] - faces[:, :1]
-    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum() / 2
+    faces = surface.faces[np.isin(surface.faces, nodes).all(axis=1)]
+    area = np.linalg.norm(area_vectors(surface.points, faces), axis=1).sum()
     drawn = np.random.default_rng(seed).normal(size=(n_paths, len(nodes), 3))
     drawn /= np.linalg.norm(drawn, axis=2, keepdims=True)
     inward = np.einsum("pni,ni->pn", drawn, inward_normals(mesh, nodes))

@@ -130,10 +130,10 @@ def _neo_hookean(F: FloatArray) -> FloatArray:
 def _tractions(mesh: "TetMesh", P: FloatArray) -> FloatArray:
     """Return the nodal forces of P N on the whole surface, N, (n_points, 3)."""
     from physgnn.geometry import boundary_faces
+    from physgnn.geometry.normals import area_vectors
 
     faces = boundary_faces(mesh)
-    a, b, c = (mesh.points[faces[:, i]] for i in range(3))
-    area = np.cross(b - a, c - a) / 2  # outward, times the area
+    area = area_vectors(mesh.points, faces)
     forces = np.zeros_like(mesh.points)
     for corner in faces.T:
         np.add.at(forces, corner, area @ P.T / 3)
