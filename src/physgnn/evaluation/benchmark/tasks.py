@@ -96,9 +96,13 @@ FAMILY = Preset(
     fixed=HELD,
     loaded=Nearest(OPENING_MM, 20),
 )
-NO_SURROGATE_REGISTERS = (
-    "no method of the table answers a registration yet: physgnn register is measured "
-    "in the results of registration"
+REGISTRATION = partial(
+    Task,
+    version=1,
+    split="path",
+    needs="",
+    not_run="no method of the table answers a registration yet: physgnn register is "
+    "measured in the results of registration",
 )
 
 TASKS: Mapping[str, Task] = {
@@ -148,19 +152,11 @@ TASKS: Mapping[str, Task] = {
         preset="family",
         tiny=FAMILY,
     ),
-    "registration-pairs": Task(
-        version=1,
-        about="From measured point pairs to the displacement everywhere.",
-        split="path",
-        needs="",
-        not_run=NO_SURROGATE_REGISTERS,
+    "registration-pairs": REGISTRATION(
+        about="From measured point pairs to the displacement everywhere."
     ),
-    "registration-surface": Task(
-        version=1,
-        about="From a measured surface without pairs to the displacement everywhere.",
-        split="path",
-        needs="",
-        not_run=NO_SURROGATE_REGISTERS,
+    "registration-surface": REGISTRATION(
+        about="From a measured surface without pairs to the displacement everywhere."
     ),
 }
 
