@@ -215,10 +215,11 @@ def _offset_not_told(evidence: Evidence) -> Iterator[str]:
     if fit is None or fit.offset is None:
         return
     offset = fit.offset
-    if offset.corrected and offset.deviation_mm > UNKNOWN_OFFSET_MM:
+    deviation = float(offset.deviation_mm.max())
+    if offset.corrected and deviation > UNKNOWN_OFFSET_MM:
         yield (
             "what was measured tells little of a rigid offset, which it was to correct "
-            f"({offset.deviation_mm:.1f} mm uncertain)"
+            f"({deviation:.1f} mm uncertain)"
         )
     if (
         not offset.corrected

@@ -2,17 +2,25 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 
-@dataclass(frozen=True)
-class OffsetEvidence:
-    """What the data say of a rigid offset of the navigation.
+from physgnn.arrays import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class RigidOffset:
+    """A rigid offset of the navigation: how far it seems to be off.
 
     Attributes
     ----------
-    length_mm, turn_deg : float
-        Its most probable translation and rotation.
-    deviation_mm : float
-        Standard deviation of the translation along an axis, given the data.
+    translation_mm : (3,) array
+        Along x, y and z, of the middle of what was measured.
+    rotation_deg : (3,) array
+        About x, y and z through that middle.
+    deviation_mm, deviation_deg : (3,) arrays
+        Standard deviations of these, given the data.
+    centre_mm : (3,) array
+        The middle.
     log_ratio : float
         Logarithm of how much more probable the data are with an offset.
     change_mm : float
@@ -21,12 +29,24 @@ class OffsetEvidence:
         Whether the displacement is the one with an offset.
     """
 
-    length_mm: float
-    turn_deg: float
-    deviation_mm: float
+    translation_mm: FloatArray
+    rotation_deg: FloatArray
+    deviation_mm: FloatArray
+    deviation_deg: FloatArray
+    centre_mm: FloatArray
     log_ratio: float
     change_mm: float
     corrected: bool
+
+    @property
+    def length_mm(self) -> float:
+        """Length of the translation."""
+        return float(np.linalg.norm(self.translation_mm))
+
+    @property
+    def turn_deg(self) -> float:
+        """Angle of the rotation."""
+        return float(np.linalg.norm(self.rotation_deg))
 
 
 @dataclass(frozen=True)
@@ -54,7 +74,7 @@ class MeasurementFit:
         Probability of a misfit as large, by noise alone.
     outlier_share : float
         Of the places of one kind, at most, that the rest contradicts.
-    offset : OffsetEvidence, optional
+    offset : RigidOffset, optional
         Where an offset of the navigation was looked for.
     outside_mm : float
         Median distance of a measured surface outward from the body's at rest, where
@@ -69,5 +89,5 @@ class MeasurementFit:
     misfit_ratio: float
     chance: float
     outlier_share: float = 0.0
-    offset: OffsetEvidence | None = None
+    offset: RigidOffset | None = None
     outside_mm: float = 0.0

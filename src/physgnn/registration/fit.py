@@ -9,9 +9,8 @@ from scipy.stats import chi2
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.measured import farthest_points
 from physgnn.prediction.evidence import SAME_PLACE_MM
-from physgnn.prediction.measured_evidence import MeasurementFit, OffsetEvidence
+from physgnn.prediction.measured_evidence import MeasurementFit, RigidOffset
 from physgnn.registration.inference.heavy_tails import RobustFit
-from physgnn.registration.inference.rigid_offset import RigidOffset
 from physgnn.registration.inference.rows import MeasuredRows
 from physgnn.registration.measurements.observation import Measurement
 from physgnn.registration.measurements.points import MeasuredPoints
@@ -63,14 +62,7 @@ def fit_of(
         misfit_ratio=worst[0],
         chance=worst[1],
         outlier_share=max(float(fit.outliers[part].mean()) for part in parts),
-        offset=OffsetEvidence(
-            length_mm=offset.length_mm,
-            turn_deg=offset.turn_deg,
-            deviation_mm=float(offset.deviation_mm.max()),
-            log_ratio=offset.log_ratio,
-            change_mm=offset.change_mm,
-            corrected=offset.corrected,
-        ),
+        offset=offset,
         outside_mm=min((one.outside_mm for one in measured), default=0.0),
     )
 

@@ -28,11 +28,11 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import deformation_gradient
 from physgnn.mechanics.body import Body
 from physgnn.prediction.evidence import Evidence, Verdict, decide
+from physgnn.prediction.measured_evidence import RigidOffset
 from physgnn.prediction.prediction import ErrorBound, Prediction
 from physgnn.registration.covariances import point_covariance
 from physgnn.registration.fit import fit_of
 from physgnn.registration.inference.bounds import error_lengths, estimate_of
-from physgnn.registration.inference.rigid_offset import RigidOffset
 from physgnn.registration.inference.rows import MeasuredRows
 from physgnn.registration.inference.search import Search, combined
 from physgnn.registration.load_families import load_modes

@@ -7,11 +7,10 @@ an offset; a ratio of e³ is strong evidence (Kass & Raftery, "Bayes factors", J
 the American Statistical Association 90, 1995, 773–795).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from physgnn.arrays import FloatArray
+from physgnn.prediction.measured_evidence import RigidOffset
 from physgnn.registration.inference.gaussian import Posterior, log_evidence
 from physgnn.registration.inference.heavy_tails import (
     RobustFit,
@@ -22,48 +21,6 @@ from physgnn.registration.inference.rows import MeasuredRows, Modes
 
 TRANSLATION_MM, ROTATION_DEG = 2.0, 2.0
 PRIOR = np.repeat([TRANSLATION_MM, np.deg2rad(ROTATION_DEG)], 3) ** 2
-
-
-@dataclass(frozen=True, eq=False)
-class RigidOffset:
-    """How far the navigation seems to be off.
-
-    Attributes
-    ----------
-    translation_mm : (3,) array
-        Along x, y and z, of the middle of what was measured.
-    rotation_deg : (3,) array
-        About x, y and z through that middle.
-    deviation_mm, deviation_deg : (3,) arrays
-        Standard deviations of these, given the data.
-    centre_mm : (3,) array
-        The middle.
-    log_ratio : float
-        Logarithm of how much more probable the data are with an offset.
-    change_mm : float
-        How far, at most, the displacement of a point is another with an offset.
-    corrected : bool
-        Whether the displacement is the one with an offset.
-    """
-
-    translation_mm: FloatArray
-    rotation_deg: FloatArray
-    deviation_mm: FloatArray
-    deviation_deg: FloatArray
-    centre_mm: FloatArray
-    log_ratio: float
-    change_mm: float
-    corrected: bool
-
-    @property
-    def length_mm(self) -> float:
-        """Length of the translation."""
-        return float(np.linalg.norm(self.translation_mm))
-
-    @property
-    def turn_deg(self) -> float:
-        """Angle of the rotation."""
-        return float(np.linalg.norm(self.rotation_deg))
 
 
 def offset_between(

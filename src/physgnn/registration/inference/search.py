@@ -9,10 +9,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from physgnn.arrays import FloatArray
+from physgnn.prediction.measured_evidence import RigidOffset
 from physgnn.registration.inference.heavy_tails import reweighted, robust_start
 from physgnn.registration.inference.rigid_offset import (
     PRIOR,
-    RigidOffset,
     offset_between,
     offset_of,
 )
