@@ -9,24 +9,8 @@ import torch
 
 from physgnn.cli import main
 from physgnn.dataset import Store
-from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io import write_load_case, write_mesh
+from physgnn.io import write_load_case
 from physgnn.learning.physgnn.network import PhysGNN
-
-LOADS = """
-[materials.brain]
-youngs_modulus_pa = 3000
-poissons_ratio = 0.4
-[materials.tumour]
-youngs_modulus_pa = 7500
-poissons_ratio = 0.4
-[loads]
-total_force_n = 0.02
-paths = 10
-levels = 2
-nodes_per_path = 3
-"""
-TRAINING = "model = 'physgnn'\nmax_epochs = 2\nbatch_size = 4\n[options]\nwidth = 8\n"
 
 STEPS = ("mesh", "simulate", "train", "evaluate", "predict")
 
@@ -46,15 +30,6 @@ def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) ->
         return (code if isinstance(code, int) else 0), printed.out, printed.err
 
     return run
-
-
-@pytest.fixture
-def folder(tmp_path: Path, block: TetMesh) -> Path:
-    """A folder with a mesh and settings."""
-    write_mesh(tmp_path / "case.vtu", block)
-    (tmp_path / "loads.toml").write_text(LOADS)
-    (tmp_path / "training.toml").write_text(TRAINING)
-    return tmp_path
 
 
 def test_help_lists_the_commands(call: Call) -> None:
@@ -131,7 +106,7 @@ def test_out_and_back(call: Call, folder: Path) -> None:
 
 def test_mistakes_are_one_line_and_leave_nothing(call: Call, folder: Path) -> None:
     case, loads, out = folder / "case.vtu", folder / "loads.toml", folder / "result.vtu"
-    (folder / "wrong.toml").write_text(LOADS.replace("paths", "path"))
+    (folder / "wrong.toml").write_text(loads.read_text().replace("paths", "path"))
     for arguments, message in (
         (("mesh",), "give a label map, --brain, or --mni152"),
         (("mesh", "--brain", folder / "no.stl"), "no.stl"),

@@ -12,25 +12,9 @@ from pathlib import Path
 import psutil
 import pytest
 
-from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io import write_mesh
-
 MAIN = "from physgnn.cli import main; main()"
 WAIT = 120.0
 ENDED = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
-LOADS = """
-[materials.brain]
-youngs_modulus_pa = 3000
-poissons_ratio = 0.4
-[materials.tumour]
-youngs_modulus_pa = 7500
-poissons_ratio = 0.4
-[loads]
-total_force_n = 0.02
-paths = 4000
-levels = 20
-nodes_per_path = 3
-"""
 
 
 class Started:
@@ -197,12 +181,12 @@ def test_a_signal_while_meshing_leaves_no_folder(tmp_path: Path, number: int) ->
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", ENDED)
-def test_a_signal_while_solving(tmp_path: Path, block: TetMesh, number: int) -> None:
-    write_mesh(tmp_path / "case.vtu", block)
-    (tmp_path / "loads.toml").write_text(LOADS)
-    store = tmp_path / "loads.zarr"
+def test_a_signal_while_solving(folder: Path, number: int) -> None:
+    loads, store = folder / "loads.toml", folder / "loads.zarr"
+    many = loads.read_text().replace("paths = 10", "paths = 4000")
+    loads.write_text(many.replace("levels = 2", "levels = 20"))
     options = ("--loads", "loads.toml", "--workers", 1, "-o", store)
-    started = Started(tmp_path, "simulate", "case.vtu", *options)
+    started = Started(folder, "simulate", "case.vtu", *options)
     started.until(store.exists)
     time.sleep(1)
     code, err = started.end(number)

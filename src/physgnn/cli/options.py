@@ -83,3 +83,10 @@ Grid = Annotated[
         help="Write a field or a label map on the voxels of this image.",
     ),
 ]
+AnySizeOption = Annotated[
+    bool,
+    typer.Option(
+        "--any-size",
+        help="Accept a brain of less than 50 or more than 2500 ml, such as a phantom.",
+    ),
+]

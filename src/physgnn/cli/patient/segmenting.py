@@ -7,7 +7,7 @@ import typer
 
 from physgnn import choices, stages
 from physgnn.cli.console import say, working
-from physgnn.cli.options import AffineOption, OutFile
+from physgnn.cli.options import AffineOption, AnySizeOption, OutFile
 
 
 def segment(
@@ -52,14 +52,7 @@ def segment(
             help="Draw the outlines to this PNG file instead of one beside the result."
         ),
     ] = None,
-    any_size: Annotated[
-        bool,
-        typer.Option(
-            "--any-size",
-            help="Accept a brain of less than 50 or more than 2500 ml, such as a "
-            "phantom.",
-        ),
-    ] = False,
+    any_size: AnySizeOption = False,
     affine: AffineOption = None,
 ) -> None:
     """Find brain, ventricles and tumour in a scan, for mesh to take."""

@@ -9,6 +9,7 @@ from physgnn import choices, stages
 from physgnn.cli.console import progress, say, working
 from physgnn.cli.options import (
     AffineOption,
+    AnySizeOption,
     LoadsOption,
     OutFile,
     PresetOption,
@@ -130,14 +131,7 @@ def mesh(
             "volume is.",
         ),
     ] = False,
-    any_size: Annotated[
-        bool,
-        typer.Option(
-            "--any-size",
-            help="Accept a brain of less than 50 or more than 2500 ml, such as a "
-            "phantom.",
-        ),
-    ] = False,
+    any_size: AnySizeOption = False,
     affine: AffineOption = None,
     series: SeriesOption = None,
 ) -> None:
