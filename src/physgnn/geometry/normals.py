@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from physgnn.arrays import FloatArray
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.surface import FaceArray, Surface
 
 
@@ -46,7 +46,7 @@ def vertex_normals(surface: Surface) -> FloatArray:
     return _unit(total)
 
 
-def area_vectors(points: FloatArray, faces: FaceArray) -> FloatArray:
+def area_vectors(points: FloatArray, faces: FaceArray | IntArray) -> FloatArray:
     """Return the normal of every face with its area for length, shape (n_faces, 3)."""
     a, b, c = np.moveaxis(points[faces], 1, 0)
     vectors: FloatArray = 0.5 * np.cross(b - a, c - a)

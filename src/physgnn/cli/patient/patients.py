@@ -1,4 +1,4 @@
-"""Commands for patients no network has seen: a family to learn from, and use."""
+"""The commands that prepare patients: loads to expect, an adapted network, a table."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,23 +10,6 @@ from physgnn import stages
 from physgnn.cli.console import NOT_USABLE, progress, say, working
 from physgnn.cli.options import LoadsOption, OutFolder, PresetOption
 from physgnn.errors import InputError
-
-
-def anatomies(
-    out: OutFolder,
-    count: Annotated[int, typer.Option(help="Draw this many patients.")] = 12,
-    seed: Annotated[
-        int,
-        typer.Option(
-            help="Draw the first patient from this seed, and the others from the ones "
-            "after it."
-        ),
-    ] = 0,
-) -> None:
-    """Draw synthetic patients: brains, tumours and craniotomies, as meshes."""
-    with progress("meshing") as move:
-        made = stages.anatomies(out, count=count, seed=seed, progress=move)
-    print(f"{out}: {len(made)} patients, {made[0].name} to {made[-1].name}")
 
 
 def init(

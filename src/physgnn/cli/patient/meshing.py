@@ -1,4 +1,4 @@
-"""The commands from surfaces to solved load paths."""
+"""The command from surfaces, or a label map, to a mesh."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,17 +6,8 @@ from typing import Annotated
 import typer
 
 from physgnn import choices, stages
-from physgnn.cli.console import progress, say, working
-from physgnn.cli.options import (
-    AffineOption,
-    AnySizeOption,
-    LoadsOption,
-    OutFile,
-    PresetOption,
-    SeriesOption,
-)
-
-SHOWN_REMARKS, SHOWN_ERRORS = 20, 3
+from physgnn.cli.console import say, working
+from physgnn.cli.options import AffineOption, AnySizeOption, OutFile, SeriesOption
 
 
 def mesh(
@@ -162,56 +153,3 @@ def mesh(
             log=say,
         )
     print(f"{out}: {made.n_points} points, {made.n_cells} cells")
-
-
-def simulate(
-    case: Annotated[Path, typer.Argument(help="The mesh, VTU.")],
-    out: Annotated[
-        Path, typer.Option("--out", "-o", help="The dataset to make, or to complete.")
-    ],
-    preset: PresetOption = None,
-    loads: LoadsOption = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            min=1,
-            help="Solve in this many processes on this machine; by default in one for "
-            "each processor.",
-        ),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            help="Solve on the workers of the Dask scheduler at this address "
-            "(tcp://…), instead of on this machine."
-        ),
-    ] = None,
-    solver: Annotated[
-        choices.SolverName, typer.Option(help="Solve by this program.")
-    ] = "physgnn",
-) -> None:
-    """Solve load paths by finite elements; call it again to resume."""
-    with progress("simulating") as move:
-        store, did = stages.simulate(
-            case,
-            out,
-            preset=preset,
-            loads=loads,
-            workers=workers,
-            scheduler=scheduler,
-            solver=solver,
-            progress=move,
-        )
-    from physgnn.dataset import verification_of
-
-    print(
-        f"{out}: {did.solved} load paths solved now, {len(store.pending())} pending; "
-        f"{len(store.samples())} of {store.n_paths * store.n_levels} levels converged"
-    )
-    print(verification_of(store))
-    for path, remark in [*store.messages().items()][:SHOWN_REMARKS]:
-        print(f"load path {path} {remark}")
-    for path, error in [*did.errors.items()][:SHOWN_ERRORS]:
-        say(f"load path {path}: {error}")
-    if did.errors:
-        raise typer.Exit(1)
