@@ -11,6 +11,7 @@ from hypothesis import settings
 from meshes import block_mesh
 from physgnn import interrupts
 from physgnn.geometry.tetmesh import TetMesh
+from warm_python import WarmPython
 
 # Kernels compile on first use, so a first example may take seconds.
 settings.register_profile("physgnn", deadline=None, derandomize="CI" in os.environ)
@@ -53,3 +54,10 @@ def shared() -> Path:
 def block() -> TetMesh:
     """A jittered block of 3³ cubes."""
     return block_mesh(3, jitter=0.15)
+
+
+@pytest.fixture(scope="session")
+def warm() -> Iterator[WarmPython]:
+    """Starts programs that train, predict and evaluate."""
+    with WarmPython("physgnn.stages", "physgnn.stages.networks.training") as python:
+        yield python

@@ -21,6 +21,7 @@ from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.training_run import train
+from warm_python import WarmPython
 
 PROGRAM = """
 import os, signal, sys
@@ -163,6 +164,7 @@ class Drawing(Network):
 def test_killed_more_than_once_it_ends_with_the_same_weights(
     name: str,
     kills: tuple[int, ...],
+    warm: WarmPython,
     store: Store,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -170,15 +172,18 @@ def test_killed_more_than_once_it_ends_with_the_same_weights(
     monkeypatch.syspath_prepend(tmp_path)  # where the stranger's method is
     (tmp_path / "drawing.py").write_text(DRAWING)
     whole, run = tmp_path / "whole", tmp_path / "run"
-    settings = {"config": MODELS[name]}
-    code, said = ended(start(program(**settings), store, whole))
-    assert code == 0, said
+    here = f"sys.path.insert(0, {str(tmp_path)!r})"
+    settings = {"config": MODELS[name], "before": here}
+    undisturbed = warm.start(program(**settings), store.path, whole, folder=tmp_path)
     for i, kill_at in enumerate(kills):
         text = program(**settings, kill_at=kill_at, resume=i > 0)
-        code, said = ended(start(text, store, run))
-        assert code == -signal.SIGKILL, said
-    code, said = ended(start(program(**settings, resume=True), store, run))
-    assert code == 0, said
+        ended = warm.run(text, store.path, run, folder=tmp_path)
+        assert ended.returncode == -signal.SIGKILL, ended.stderr
+    resumed = program(**settings, resume=True)
+    ended = warm.run(resumed, store.path, run, folder=tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    ended = undisturbed.wait()
+    assert ended.returncode == 0, ended.stderr
     assert_equal(run, whole)
     assert not [file for file in run.iterdir() if file.name.startswith(".")]
 

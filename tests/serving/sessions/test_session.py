@@ -8,8 +8,8 @@ from threading import Event
 
 import numpy as np
 import pytest
-from live_server import Address, patch_load, serving
-from websockets.sync.client import ClientConnection, connect
+from live_server import Address, connect, patch_load, serving
+from websockets.sync.client import ClientConnection
 
 from physgnn.mechanics.equilibrium.solver import solve
 from physgnn.mechanics.loads.paths import LoadPath
