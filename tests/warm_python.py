@@ -2,8 +2,8 @@
 
     python warm_python.py MODULE …
 
-imports the modules and then forks a process for every program that it is sent. To import
-Lightning takes eight seconds of the processor, which so are paid once.
+imports the modules and then forks a process for every program that it is sent. So the
+seconds of the processor that it takes to import Lightning are paid once.
 """
 
 import json

@@ -282,7 +282,7 @@ WAIT = """
 @pytest.mark.parametrize("devices", [1, 2])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_reaches_the_caller_and_ends_all_processes(
-    number: int, devices: int, store: Store, tmp_path: Path
+    number: int, devices: int, warm: WarmPython, store: Store, tmp_path: Path
 ) -> None:
     run = tmp_path / "run"
     text = program(watch=WAIT, devices=devices)
@@ -307,5 +307,5 @@ def test_a_signal_reaches_the_caller_and_ends_all_processes(
     _, left = psutil.wait_procs(others, timeout=120)
     assert not left
     assert not [file for file in run.iterdir() if file.name.startswith(".")]
-    code, said = ended(start(program(resume=True), store, run))
-    assert code == 0, said
+    resumed = warm.run(program(resume=True), store.path, run, folder=tmp_path)
+    assert resumed.returncode == 0, resumed.stderr
