@@ -2,11 +2,13 @@
 # make test    everything that checks us    make bundled the models in the package
 # make docs    the site, in site/              make clean   remove what these made
 #
-# PYTHON picks the interpreter (3.11 to 3.13). PyTorch comes in its CPU build where its
-# index can be reached; TORCH=pypi takes what PyPI has, on Linux with 3 GB of CUDA.
-# PIP_FLAGS goes to pip.
+# The tests run in JOBS processes of one thread each; with make --jobs 3 test the other
+# checks run beside them. PYTHON picks the interpreter (3.11 to 3.13). PyTorch comes in its
+# CPU build where its index can be reached; TORCH=pypi takes what PyPI has, on Linux with
+# 3 GB of CUDA. PIP_FLAGS goes to pip.
 
 PYTHON ?= python3
+JOBS ?= 2
 TORCH ?= cpu
 VENV := .venv
 BIN := $(VENV)/bin
@@ -19,7 +21,9 @@ else
 TRY_INDEX := true
 endif
 
-.PHONY: setup demo bundled docs test clean
+ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
+
+.PHONY: setup demo bundled docs test style types layers tests clean
 
 setup: $(STAMP)
 
@@ -39,12 +43,21 @@ bundled: setup
 docs: setup
 	$(BIN)/properdocs build --strict --quiet --config-file mkdocs.yml
 
-test: setup docs
+test: style types layers tests
+
+style: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
+
+types: setup
 	$(BIN)/mypy
+
+layers: setup
 	$(BIN)/lint-imports
-	$(BIN)/pytest
+
+# tests/docs builds the site. A file of tests stays in one process, for what its tests share.
+tests: setup
+	$(ONE_THREAD) $(BIN)/pytest --numprocesses $(JOBS) --dist loadfile --no-loadscope-reorder
 
 clean:
 	rm -rf $(VENV) demo site src/*.egg-info .*_cache

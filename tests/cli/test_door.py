@@ -51,7 +51,7 @@ class Started:
         else:
             self.process.send_signal(number)
         _, err = self.process.communicate(timeout=WAIT)
-        _, left = psutil.wait_procs(group, timeout=10)
+        _, left = psutil.wait_procs(group, timeout=WAIT)
         assert not left
         assert [*self.temporary.iterdir()] == []
         return self.process.returncode, err

@@ -42,7 +42,7 @@ class Seen:
 async def client(address: str, rate: float, end: float, seed: int, seen: Seen) -> None:
     """Send messages at a rate until the end, and time the predictions."""
     rng = random.Random(seed)
-    async with connect(address, max_size=None) as socket:
+    async with connect(address, max_size=None, open_timeout=120) as socket:
         header, arrays = decode(await socket.recv())
         exposed = arrays["points"][arrays["exposed"] > 0]
         sent: dict[int, float] = {}

@@ -2,10 +2,12 @@
 
 import csv
 import os
+import secrets
 import socket
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -66,14 +68,20 @@ def on_one_machine(store: Store, out: Path) -> list[subprocess.Popen]:
 
 
 def on_two_machines(store: Store, out: Path) -> list[subprocess.Popen]:
-    with socket.socket() as free:
-        free.bind(("localhost", 0))
-        port = str(free.getsockname()[1])
-    address = {"MASTER_ADDR": "localhost", "MASTER_PORT": port}
+    address = {"MASTER_ADDR": "localhost", "MASTER_PORT": str(free_port())}
     return [
         launch("Machine(num_nodes=2)", store, out, NODE_RANK=str(rank), **address)
         for rank in range(2)
     ]
+
+
+def free_port() -> int:
+    """Return a port below those that systems hand out, so that nobody gets it now."""
+    while True:
+        port = secrets.choice(range(20_000, 30_000))
+        with socket.socket() as free, suppress(OSError):
+            free.bind(("localhost", port))
+            return port
 
 
 @pytest.mark.parametrize("start", [on_one_machine, on_two_machines])

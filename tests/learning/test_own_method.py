@@ -1,10 +1,8 @@
 """A method from outside the package, by the command line (docs/howto/add_method.md)."""
 
-import os
 import re
 import shutil
-import subprocess
-import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,22 +12,16 @@ from physgnn.dataset.storage.store import Store
 from physgnn.evaluation.measure.result import Report
 from physgnn.io.load_case import write_load_case
 from physgnn.prediction.predictor import Predictor
+from warm_python import WarmPython
 
 TEMPLATE = Path(__file__).parents[2] / "docs" / "templates" / "method.py"
 METHOD = "method:NearestLoad"
 COMMAND = "from physgnn.cli import main; main()"
 
 
-def physgnn(folder: Path, *arguments: str, code: int = 0) -> str:
+def physgnn(warm: WarmPython, folder: Path, *arguments: str, code: int = 0) -> str:
     """Run a command in a folder, as a user does."""
-    made = subprocess.run(
-        [sys.executable, "-P", "-c", COMMAND, *arguments],
-        cwd=folder,
-        env={**os.environ},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    made = warm.run(COMMAND, *arguments, folder=folder)
     assert made.returncode == code, made.stderr
     return made.stdout
 
@@ -42,14 +34,15 @@ def test_the_template_is_about_thirty_lines() -> None:
 
 @pytest.mark.slow
 def test_it_is_trained_saved_loaded_and_evaluated(
-    store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    warm: WarmPython, store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shutil.copyfile(TEMPLATE, tmp_path / "method.py")
-    physgnn(tmp_path, "train", str(store.path), "--model", METHOD, "-o", "run")
-    table = physgnn(tmp_path, "evaluate", "run", "--baselines", "zero,linear")
+    here = partial(physgnn, warm, tmp_path)
+    here("train", str(store.path), "--model", METHOD, "-o", "run")
+    table = here("evaluate", "run", "--baselines", "zero,linear")
     assert "nearestload" in table.lower()
-    physgnn(tmp_path, "train", str(store.path), "--model", "zero", "-o", "other")
-    physgnn(tmp_path, "evaluate", "other", "--baselines", METHOD)
+    here("train", str(store.path), "--model", "zero", "-o", "other")
+    here("evaluate", "other", "--baselines", METHOD)
     ours, beside = (
         Report.read(tmp_path / run / "evaluation-path" / "metrics.json").model(METHOD)
         for run in ("run", "other")
@@ -59,7 +52,7 @@ def test_it_is_trained_saved_loaded_and_evaluated(
     write_load_case(tmp_path / "load.json", case)
     # the displacement of another load is no good one, and is written with its reasons
     predict = ("predict", "run", "--load", "load.json", "-o", "displacement.vtu")
-    physgnn(tmp_path, *predict, code=3)
+    here(*predict, code=3)
     assert (tmp_path / "displacement.vtu").is_file()
     monkeypatch.syspath_prepend(tmp_path)
     predictor = Predictor.load(tmp_path / "run")

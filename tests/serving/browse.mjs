@@ -80,10 +80,18 @@ await predicted("network");
 saw.dragged = await state();
 saw.pictureChanged = (await picture()) !== atRest;
 
+/** Seconds of the processor that all of the browser's processes have taken. */
+const devtools = await browser.newBrowserCDPSession();
+const processorSeconds = async () => (await devtools.send("SystemInfo.getProcessInfo"))
+  .processInfo.reduce((sum, one) => sum + one.cpuTime, 0);
+
 await page.evaluate(() => { window.physgnn.link.drawnIn = []; });
+const taken = await processorSeconds();
 await drag(0, SECONDS);
+saw.processorSeconds = await processorSeconds() - taken;
 const latencies = await page.evaluate(() => window.physgnn.link.drawnIn);
 saw.rate = latencies.length / SECONDS;
+saw.processorMs = 1000 * saw.processorSeconds / latencies.length;
 saw.latencyMs = latencies.sort((a, b) => a - b)[Math.floor(latencies.length / 2)];
 await predicted("network");
 

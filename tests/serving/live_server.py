@@ -4,12 +4,18 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
+
+from websockets.sync import client
 
 from physgnn.serving.app import Beside, make_app
 from physgnn.serving.protocol.messages import PatchLoad
 from physgnn.serving.server import listen, make_server
 from physgnn.serving.sessions.engine import Engine
+
+# A busy machine may leave a handshake waiting for longer than its client usually does.
+connect = partial(client.connect, open_timeout=120.0, ping_interval=None)
 
 
 @dataclass(frozen=True)

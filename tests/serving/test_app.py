@@ -3,9 +3,8 @@ import urllib.error
 import urllib.request
 
 import pytest
-from live_server import Address, patch_load
+from live_server import Address, connect, patch_load
 from websockets.exceptions import InvalidStatus
-from websockets.sync.client import connect
 
 from physgnn.errors import InputError
 from physgnn.io import read_load_case

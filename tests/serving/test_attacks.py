@@ -7,27 +7,17 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 
 import pytest
-from live_server import Address, patch_load, serving
+from live_server import Address, connect, patch_load
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection
 
 from physgnn.serving import server
 from physgnn.serving.app import MOST_SESSIONS
-from physgnn.serving.scene.viewed import Viewed
 from physgnn.serving.server import MAX_MESSAGE_BYTES
-from physgnn.serving.sessions.engine import Engine
 
 WAIT = 120.0
 GOOD = patch_load().model_dump()
 ROUTES = ("GET /", "GET /static/main.js", "POST /load-case", "GET /live", "GET /no")
-
-
-@pytest.fixture(scope="module")
-def address(viewed: Viewed) -> Iterator[Address]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(server, "REQUEST_SECONDS", 1.0)
-        with serving(Engine(viewed)) as address:
-            yield address
 
 
 @pytest.fixture(autouse=True)
@@ -193,24 +183,31 @@ def test_a_request_that_is_none(address: Address, request_: bytes) -> None:
     assert answer == b"" or answer.split(b" ", 2)[1][:1] == b"4"
 
 
-def test_so_many_sessions_and_no_more(address: Address) -> None:
-    with ExitStack() as stack:
-        for _ in range(MOST_SESSIONS):
-            stack.enter_context(connect(address.live)).recv(timeout=WAIT)
-        with pytest.raises(InvalidStatus):
-            stack.enter_context(connect(address.live))
+def once_free(address: Address) -> ClientConnection:
+    """Open a session; a place is free as soon as one has left, which takes a moment."""
     end = time.monotonic() + WAIT
-    while time.monotonic() < end:  # a place is free as soon as one has left
+    while time.monotonic() < end:
         try:
-            with connect(address.live) as live:
-                live.recv(timeout=WAIT)
-                return
+            return connect(address.live)
         except InvalidStatus:
             time.sleep(0.05)
     pytest.fail("no place became free")
 
 
-def test_who_only_opens_a_connection_is_closed(address: Address) -> None:
+def test_so_many_sessions_and_no_more(address: Address) -> None:
+    with ExitStack() as stack:
+        for _ in range(MOST_SESSIONS):
+            stack.enter_context(once_free(address)).recv(timeout=WAIT)
+        with pytest.raises(InvalidStatus):
+            stack.enter_context(connect(address.live))
+    with once_free(address) as live:
+        live.recv(timeout=WAIT)
+
+
+def test_who_only_opens_a_connection_is_closed(
+    address: Address, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "REQUEST_SECONDS", 0.5)
     with socket.create_connection((address.host, address.port), timeout=WAIT) as raw:
         raw.sendall(b"GET / HTTP/1.1\r\nHost: 127")
         assert raw.recv(100) == b""

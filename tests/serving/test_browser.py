@@ -24,6 +24,7 @@ from physgnn.serving.sessions.engine import Engine
 from physgnn.serving.sessions.predictions import load_case
 
 LEAST_RATE = 20  # predictions drawn a second, while dragging
+MOST_MS = 100.0  # of the processor for one: two cores then draw as many
 ADDED = ColourField(
     label="Upward",
     title="Displacement along +z, mm",
@@ -46,7 +47,7 @@ def saw(shown: Viewed, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
     node, playwright, chromium = browser_tools()
     script = Path(__file__).with_name("browse.mjs")
     downloads = tmp_path_factory.mktemp("downloads")
-    busy = os.getloadavg()[0] > (os.cpu_count() or 1)
+    busy = "PYTEST_XDIST_WORKER" in os.environ or loaded()
     engine = Engine(shown)
     asyncio.run(engine.warm_up())
     with pytest.MonkeyPatch.context() as patch, serving(engine) as address:
@@ -60,9 +61,17 @@ def saw(shown: Viewed, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
         )
     assert done.returncode == 0, done.stderr
     seen: dict[str, Any] = json.loads(done.stdout)
-    seen["busy"] = busy
-    print(f"{seen['rate']:.1f} predictions/s, {seen['latencyMs']:.0f} ms latency")
+    seen["busy"] = busy or loaded()
+    print(
+        f"{seen['rate']:.1f} predictions/s, {seen['latencyMs']:.0f} ms latency, "
+        f"{seen['processorMs']:.0f} ms of the processor each"
+    )
     return seen
+
+
+def loaded() -> bool:
+    """Whether more wants to run on this machine than it has cores."""
+    return os.getloadavg()[0] > (os.cpu_count() or 1)
 
 
 def expected(shown: Viewed, patch_load: dict[str, Any], name: str = "network") -> Any:
@@ -104,9 +113,10 @@ def test_what_is_shown_is_what_predict_answers_for_the_kept_load_case(
 
 
 def test_the_page_keeps_up(saw: dict[str, Any]) -> None:
-    if saw["busy"] and saw["rate"] < LEAST_RATE:
-        pytest.skip(f"other work on this machine ({saw['rate']} predictions/s)")
-    assert saw["rate"] >= LEAST_RATE
+    if saw["busy"]:  # other work costs time, not the processor's
+        assert saw["rate"] >= LEAST_RATE or saw["processorMs"] < MOST_MS
+    else:
+        assert saw["rate"] >= LEAST_RATE
 
 
 def test_the_screenshot_is_a_picture(saw: dict[str, Any]) -> None:

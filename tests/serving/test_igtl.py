@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from live_server import Address, patch_load, serving
-from websockets.sync.client import connect
+from live_server import Address, connect, patch_load, serving
 
 from physgnn.serving.igtl import stream
 from physgnn.serving.scene.viewed import Viewed

@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.training_run import train
+from warm_python import WarmPython
 
 PROGRAM = """
 import os, signal, sys
@@ -164,6 +164,7 @@ class Drawing(Network):
 def test_killed_more_than_once_it_ends_with_the_same_weights(
     name: str,
     kills: tuple[int, ...],
+    warm: WarmPython,
     store: Store,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -171,15 +172,18 @@ def test_killed_more_than_once_it_ends_with_the_same_weights(
     monkeypatch.syspath_prepend(tmp_path)  # where the stranger's method is
     (tmp_path / "drawing.py").write_text(DRAWING)
     whole, run = tmp_path / "whole", tmp_path / "run"
-    settings = {"config": MODELS[name]}
-    code, said = ended(start(program(**settings), store, whole))
-    assert code == 0, said
+    here = f"sys.path.insert(0, {str(tmp_path)!r})"
+    settings = {"config": MODELS[name], "before": here}
+    undisturbed = warm.start(program(**settings), store.path, whole, folder=tmp_path)
     for i, kill_at in enumerate(kills):
         text = program(**settings, kill_at=kill_at, resume=i > 0)
-        code, said = ended(start(text, store, run))
-        assert code == -signal.SIGKILL, said
-    code, said = ended(start(program(**settings, resume=True), store, run))
-    assert code == 0, said
+        ended = warm.run(text, store.path, run, folder=tmp_path)
+        assert ended.returncode == -signal.SIGKILL, ended.stderr
+    resumed = program(**settings, resume=True)
+    ended = warm.run(resumed, store.path, run, folder=tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    ended = undisturbed.wait()
+    assert ended.returncode == 0, ended.stderr
     assert_equal(run, whole)
     assert not [file for file in run.iterdir() if file.name.startswith(".")]
 
@@ -278,7 +282,7 @@ WAIT = """
 @pytest.mark.parametrize("devices", [1, 2])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_reaches_the_caller_and_ends_all_processes(
-    number: int, devices: int, store: Store, tmp_path: Path
+    number: int, devices: int, warm: WarmPython, store: Store, tmp_path: Path
 ) -> None:
     run = tmp_path / "run"
     text = program(watch=WAIT, devices=devices)
@@ -300,10 +304,8 @@ def test_a_signal_reaches_the_caller_and_ends_all_processes(
         assert code == -signal.SIGINT  # what Python makes of a KeyboardInterrupt
         assert "KeyboardInterrupt" in said
         assert "SystemExit" not in said
-    deadline = time.monotonic() + 10
-    while any(other.is_running() for other in others):
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
+    _, left = psutil.wait_procs(others, timeout=120)
+    assert not left
     assert not [file for file in run.iterdir() if file.name.startswith(".")]
-    code, said = ended(start(program(resume=True), store, run))
-    assert code == 0, said
+    resumed = warm.run(program(resume=True), store.path, run, folder=tmp_path)
+    assert resumed.returncode == 0, resumed.stderr

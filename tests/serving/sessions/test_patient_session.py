@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 from case_on_show import case_engine, csv_of, sunk_pairs, write_case
-from live_server import Address, patch_load, serving
-from websockets.sync.client import ClientConnection, connect
+from live_server import Address, connect, patch_load, serving
+from websockets.sync.client import ClientConnection
 
 from physgnn.serving.protocol.frames import decode
 from physgnn.serving.sessions.engine import Engine

@@ -53,7 +53,8 @@ class Session:
     ) -> None:
         self._engine = engine
         self._send_text, self._send_bytes = send_text, send_bytes
-        self._patch_load: PatchLoad | None = None
+        self._patch_load: PatchLoad | None = None  # to be predicted
+        self._held: PatchLoad | None = None  # what the browser holds, None let go
         self._plane: SectionPlane | None = None
         self._cut: Section | None = None
         self._changed = asyncio.Event()
@@ -99,7 +100,8 @@ class Session:
             self._plane = message
         else:
             self._stop_refinement()
-            self._patch_load = message if isinstance(message, PatchLoad) else None
+            self._held = message if isinstance(message, PatchLoad) else None
+            self._patch_load = self._held
         self._changed.set()
 
     async def _predict_newest(self) -> None:
@@ -135,7 +137,7 @@ class Session:
         case = load_case(self._engine, patch_load)
         for name in patch_load.predictors:
             await self._predict_by(name, case, patch_load)
-        if patch_load.solve and self._patch_load is None:
+        if patch_load.solve and self._held is patch_load:
             self._refinement = asyncio.create_task(self._refine(case, patch_load))
 
     async def _predict_by(

@@ -84,7 +84,6 @@ def test_mesh_has_them(case: tuple[Path, Path], tmp_path: Path) -> None:
         labels="brats-2020",
         brain_mask=t1,
         ventricles=t1,
-        target_points=4000,
         log=lines.append,
     )
     made = read_mesh(out)
