@@ -50,21 +50,21 @@ def measure(predictor: Predictor, store: Store, samples, log: Log, end: float) -
         if time.perf_counter() > end:
             return
         case = store.load_case(path, level)
-        answer = predictor.surrogate.predict(case)
+        predicted = predictor.surrogate.predict(case)
         start = time.perf_counter()
-        estimate = predictor.error(case, answer)
+        estimate = predictor.error(case, predicted)
         seconds = time.perf_counter() - start
-        relaxed = predictor.relax(case, answer)
+        relaxed = predictor.relax(case, predicted)
         truth = store.displacement(path)[level]
         record = {"path": path, "level": level + 1, "what": "error"}
         for name, found in cheap.items():
-            record[name] = lengths(found(case, answer))
+            record[name] = lengths(found(case, predicted))
         log.add(
             **record,
-            true=lengths(truth - answer),
+            true=lengths(truth - predicted),
             relaxation=lengths(estimate),
             seconds=seconds,
-            inverted=inverted(store, answer),
+            inverted=inverted(store, predicted),
             inverted_after=inverted(store, relaxed.displacement),
         )
 

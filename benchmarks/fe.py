@@ -35,7 +35,7 @@ from tables import load_kernels, machine, table
 
 @dataclass(frozen=True)
 class Case:
-    """A reference case and FEBio's stored answers to it."""
+    """A reference case and FEBio's stored displacements."""
 
     mesh: TetMesh
     fixed: np.ndarray
@@ -50,14 +50,14 @@ def read_case(file: Path, n_levels: int) -> Case:
     factors = equal_levels(30)[:n_levels]
     path = LoadPath(data["load_nodes"], data["load_vectors"], factors)
     kept = data["levels"] <= n_levels
-    answers = data["levels"][kept], data["displacement"][kept]
-    return Case(mesh, data["fixed"], path, *answers)
+    solutions = data["levels"][kept], data["displacement"][kept]
+    return Case(mesh, data["fixed"], path, *solutions)
 
 
 def compare(case: Case) -> None:
     """Print time and differences, level by level, of one path."""
     body = Body(case.mesh, BRAIN_AND_TUMOUR, case.fixed)
-    answers: dict[str, np.ndarray] = {}
+    solutions: dict[str, np.ndarray] = {}
     rows = []
     solver = Solver(body)
     start = time.process_time()
@@ -65,25 +65,25 @@ def compare(case: Case) -> None:
     seconds = time.process_time() - start
     rows.append(("physgnn", f"{seconds:.2f}", ours.counts["factorisations"], "1"))
     start = time.process_time()
-    answers["full Newton"], factorisations = full_newton(Newton(body), case)
+    solutions["full Newton"], factorisations = full_newton(Newton(body), case)
     peer = time.process_time() - start
     rows.append(("full Newton", f"{peer:.2f}", factorisations, f"{peer / seconds:.1f}"))
     if shutil.which(COMMAND):
         febio = FebioSolver(body).solve(case.path)
-        answers["FEBio, now"] = levels_or_nan(febio.displacement, febio.status)
+        solutions["FEBio, now"] = levels_or_nan(febio.displacement, febio.status)
         ratio = f"{febio.seconds / seconds:.1f}"
         rows.append(("FEBio", f"{febio.seconds:.2f}", "", ratio))
     stored = np.full_like(ours.displacement, np.nan)
     stored[case.levels - 1] = case.displacement
-    answers["FEBio, stored"] = stored
+    solutions["FEBio, stored"] = stored
     table(("solver", "seconds a path", "factorisations", "times ours"), rows)
     print(
         f"\nlargest distance of a point from ours, mm ({ours.message or 'converged'})"
     )
     found = levels_or_nan(ours.displacement, ours.status)
     distance = [
-        np.linalg.norm(answer - found, axis=2).max(axis=1)
-        for answer in answers.values()
+        np.linalg.norm(solution - found, axis=2).max(axis=1)
+        for solution in solutions.values()
     ]
     lines = (
         (
@@ -92,7 +92,7 @@ def compare(case: Case) -> None:
         )
         for level in range(case.path.n_levels)
     )
-    table(("level", *answers), lines)
+    table(("level", *solutions), lines)
 
 
 def full_newton(newton: Newton, case: Case) -> tuple[np.ndarray, int]:

@@ -54,7 +54,7 @@ def fine_tuned(run: Path, data, weight: float, minutes: float):
 
 
 @torch.inference_mode()
-def answers(model, inputs):
+def outputs(model, inputs):
     return torch.cat([model(one[None], graph_of(model.body)) for one in inputs])
 
 
@@ -95,11 +95,11 @@ def main() -> None:
     rows = [
         ("finite elements", "", *judged(model, true, true)),
         ("expansion alone", "", *judged(model, expansion, true)),
-        ("as trained", "", *judged(model, answers(model, inputs), true)),
+        ("as trained", "", *judged(model, outputs(model, inputs), true)),
     ]
     for weight in options.weights:
         tuned, steps = fine_tuned(options.run, parts[0], weight, options.minutes)
-        made = judged(tuned, answers(tuned, inputs), true)
+        made = judged(tuned, outputs(tuned, inputs), true)
         rows.append((f"trained on, weight {weight:g}", steps, *made))
     counts = ("predictions with inverted cells", "cells a prediction", "most in one")
     table(("", "steps", "mean error, mm", "largest, mm", *counts), rows)

@@ -1,4 +1,4 @@
-"""TetGen and fTetWild on the same surfaces: cells, distance, seconds, FE answers.
+"""TetGen and fTetWild on the same surfaces: cells, distance, seconds, solutions.
 
     python benchmarks/meshers.py --paper ../shared/paper --points 5000
 
@@ -49,7 +49,7 @@ COLUMNS = (
     "processor s",
     "levels solved",
     "snap-throughs",
-    "mean difference of the answers, mm (largest displacement)",
+    "mean difference of the displacements, mm (largest displacement)",
 )
 Case = tuple[str, Surface, list[Surface]]
 
@@ -93,7 +93,7 @@ def off(mesh: TetMesh, brain: Surface, inner: list[Surface]) -> FloatArray:
     return np.concatenate(distances)
 
 
-def answers(mesh: TetMesh, opened) -> tuple[int, int, list[FloatArray]]:  # type: ignore[no-untyped-def]
+def solutions(mesh: TetMesh, opened) -> tuple[int, int, list[FloatArray]]:  # type: ignore[no-untyped-def]
     """Return levels solved, snap-throughs and the last displacements of the loads."""
     solved, snaps, last = 0, 0, []
     for k, traction in enumerate(TRACTIONS_PA):
@@ -125,7 +125,7 @@ def sampled(mesh: TetMesh, displacement: FloatArray, at: FloatArray) -> FloatArr
 
 
 def row(name: str, mesher: str, case: Case, points: int):  # type: ignore[no-untyped-def]
-    """Mesh and solve; return the cells of a row, the mesh and its answers."""
+    """Mesh and solve; return the cells of a row, the mesh and its solutions."""
     _, brain, inner = case
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     mesh = tetrahedralize(brain, inner, target_points=points, mesher=mesher, log=print)
@@ -137,7 +137,7 @@ def row(name: str, mesher: str, case: Case, points: int):  # type: ignore[no-unt
         errors.append(mesh.cell_volumes[mesh.region == 1].sum() / wanted - 1)
     top = brain.points[(brain.points @ [0.55, 0.35, 0.75]).argmax()]
     opened = craniotomy_at(boundary_surface(mesh), top, 35.0)
-    solved, snaps, last = answers(mesh, opened)
+    solved, snaps, last = solutions(mesh, opened)
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     cells = [
         name,
@@ -174,8 +174,8 @@ def main() -> None:
         largest = max(np.linalg.norm(u, axis=1).max() for u in first)
         mean = np.nanmean(np.concatenate(differ))
         for i, (cells, _, _) in enumerate(made):
-            answer = f"{mean:.3f} ({largest:.2f})" if i else "—"
-            lines.append(" | ".join([*cells, answer]))
+            apart = f"{mean:.3f} ({largest:.2f})" if i else "—"
+            lines.append(" | ".join([*cells, apart]))
             print(lines[-1], flush=True)
     print("\n" + "\n".join(f"| {line} |" for line in lines))
 

@@ -1,4 +1,4 @@
-"""Certified answers to load paths that training has not seen, most of them drawn anew.
+"""Repaired predictions of load paths that training has not seen, most drawn anew.
 
     python benchmarks/new_loads.py runs/lifted loads.zarr --log new-loads.jsonl
     python benchmarks/new_loads.py runs/lifted loads.zarr --elsewhere 100 …
@@ -10,7 +10,7 @@ near them, in directions of the kind that dataset 1 has or within a cone about t
 inward normal; `validation` are the paths that the run was validated on, from which
 limits may be chosen. True is where the load leads when it grows in 120 steps. Beside
 it stand the same in 30 steps, as `physgnn simulate` goes, and where a repair leads that
-begins at the answer however deep the load pushes. What the log has is not measured
+begins at the prediction however deep the load pushes. What the log has is not measured
 again. Prints Markdown.
 """
 
@@ -117,7 +117,7 @@ def far_apart(a: np.ndarray | None, b: np.ndarray | None) -> float:
 
 
 class Bold:
-    """Repairs that trust every answer."""
+    """Repairs that trust every prediction."""
 
     def __init__(self, model: Surrogate, mm: float) -> None:
         body, known = model.body, model.reference_states()
@@ -145,8 +145,8 @@ def measure(
         case, begun = path.case(level), time.process_time()
         found: Prediction = predictor(case, tolerance_mm=mm)
         processor = time.process_time() - begun
-        answer = predictor.surrogate.predict(case)
-        relaxed = predictor.relax(case, answer).displacement
+        predicted = predictor.surrogate.predict(case)
+        relaxed = predictor.relax(case, predicted).displacement
         log.add(
             path=number,
             level=level + 1,
@@ -154,10 +154,10 @@ def measure(
             load_factor=float(path.load_factors[level]),
             error=far_apart(found.displacement, true[level]),
             coarse=far_apart(coarse[level], true[level]),
-            answer=far_apart(answer, true[level]),
+            predicted=far_apart(predicted, true[level]),
             depth=depth(body, case, relaxed),
             bold=far_apart(bold(case, relaxed), true[level]),
-            physical=lengths(predictor.error(case, answer))[1],
+            physical=lengths(predictor.error(case, predicted))[1],
             status=found.status.name,
             seconds=found.seconds,
             processor_seconds=processor,
@@ -171,7 +171,7 @@ def rows(log: Log, mm: float) -> Iterator[tuple[str, ...]]:
         if not known:
             continue
         good = [r for r in known if PredictionStatus[r["status"]] in GOOD]
-        ratio = np.array([r["physical"] / r["answer"] for r in known])
+        ratio = np.array([r["physical"] / r["predicted"] for r in known])
         coarse = np.array([r["coarse"] for r in known])
         seconds, processor = (
             " / ".join(f"{q:.2f}" for q in np.quantile(times, (0.5, 0.95, 1.0)))
@@ -240,7 +240,7 @@ def main() -> None:
     )
     table(head, rows(log, options.tolerance_mm))
     misled = [r["depth"] for r in log.records if r["bold"] > options.tolerance_mm]
-    print(f"\nmisled if begun at the answer: {len(misled)}")
+    print(f"\nmisled if begun at the prediction: {len(misled)}")
     print("edges deep:", ", ".join(f"{each:.2f}" for each in sorted(misled)))
 
 

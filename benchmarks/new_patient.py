@@ -3,7 +3,7 @@
     python benchmarks/new_patient.py family-run/ loads.zarr --tune tuned/ --runs own/
 
 The family's network is adapted to the store's body, with the loads of its training
-paths and none of its answers. All are tested on the test paths of split ``path``: the
+paths and none of its solutions. All are tested on the test paths of split ``path``: the
 linear solution, the expansion the network starts from, the network, the network after
 minutes of fine-tuning on the training paths, and other runs trained on that split.
 """
@@ -81,18 +81,18 @@ def main() -> None:
     start = time.perf_counter()
     adapted = adapt(family, body, strongest_forces(store, split.train))
     seconds = time.perf_counter() - start
-    answers: dict[str, Surrogate] = {"linear solution": Linear(body)}
-    answers["family's network"] = adapted.model
+    methods: dict[str, Surrogate] = {"linear solution": Linear(body)}
+    methods["family's network"] = adapted.model
     if given.tune:
         model = tuned(family, store, given.minutes, given.tune).model
-        answers[f"tuned for {given.minutes:g} minutes"] = model
+        methods[f"tuned for {given.minutes:g} minutes"] = model
     for run in given.runs:
-        answers[run.name] = Checkpoint.load(run).model
-    rows = {name: errors(answer, store, samples) for name, answer in answers.items()}
+        methods[run.name] = Checkpoint.load(run).model
+    rows = {name: errors(method, store, samples) for name, method in methods.items()}
     with torch.no_grad():
         adapted.model.get_submodule("local.last").weight.zero_()
         adapted.model.get_submodule("local.last").bias.zero_()
-    rows["expansion, untrained"] = errors(answers["family's network"], store, samples)
+    rows["expansion, untrained"] = errors(methods["family's network"], store, samples)
     table(
         ("", "mean", "mean of maxima", "≤ 1 mm", "mean at full load"),
         [

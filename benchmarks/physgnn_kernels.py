@@ -85,14 +85,14 @@ def compare(dataset: int, given: argparse.Namespace) -> None:
             for row in ROWS
         ]
 
-        def answers(what: str) -> list[Any]:
+        def results(what: str) -> list[Any]:
             return [process.submit(ask, what).result() for process in processes]
 
         def seconds(what: str) -> list[float]:
             timings = [lambda p=p: p.submit(ask, what).result() for p in processes]
             return medians(timings, given.repeats)
 
-        outputs, gradients = answers("outputs"), answers("gradients")
+        outputs, gradients = results("outputs"), results("gradients")
         forward, step = seconds("forward_seconds"), seconds("step_seconds")
     print(f"dataset {dataset}, training batch {CASES[dataset][1]}")
     for k, (precision, plain) in enumerate(ROWS):

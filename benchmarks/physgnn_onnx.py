@@ -1,4 +1,4 @@
-"""The published weights as ONNX: is onnxruntime's answer ours, and how long it takes.
+"""The published weights as ONNX: is onnxruntime's output ours, and how long it takes.
 
     python benchmarks/physgnn_onnx.py ../shared/paper --threads 2 --repeats 5
 

@@ -1,10 +1,10 @@
-"""A trained PhysGNN's answers in bfloat16 beside those in float32, on held-out samples.
+"""A trained PhysGNN's outputs in bfloat16 beside those in float32, on held-out samples.
 
     physgnn train loads.zarr --precision bfloat16 --max-minutes 8 -o run/
     python benchmarks/physgnn_precision.py run/ loads.zarr --samples 40
 
-Prints means over points and samples, mm: the distance between both answers, and each
-answer's error.
+Prints means over points and samples, mm: the distance between both outputs, and each
+output's error.
 """
 
 import argparse

@@ -167,19 +167,19 @@ def compare(dataset: int, given: argparse.Namespace) -> None:
             for name in SIDES
         ]
 
-        def answers(what: str) -> list[Any]:
+        def results(what: str) -> list[Any]:
             return [ask_it(what).result() for ask_it in asked]
 
         def seconds(what: str) -> list[float]:
             timings = [lambda ask_it=ask_it: ask_it(what).result() for ask_it in asked]
             return medians(timings, given.repeats)
 
-        published, ours, rough = answers("outputs")
+        published, ours, rough = results("outputs")
         print(f"dataset {dataset}: outputs {abs(ours - published).max():.1e} mm apart")
         off = np.linalg.norm(rough - ours, axis=1).mean()
         print_rows("forward, 1 sample", seconds("forward_seconds"))
         print(f"  bfloat16 is {off:.4f} mm off")
-        print(f"gradients {gradients_apart(*answers('gradients')[:2]):.1e} apart")
+        print(f"gradients {gradients_apart(*results('gradients')[:2]):.1e} apart")
         size = CASES[dataset][1]
         print_rows(f"training step, batch {size}, a sample", seconds("step_seconds"))
 

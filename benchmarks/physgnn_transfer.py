@@ -3,7 +3,7 @@
     python benchmarks/physgnn_transfer.py ../shared/paper loads-2.zarr --dataset 2
 
 The store's preset is paper-1 or paper-2, on any mesh of the published surfaces. Points
-that no load reaches through six layers are far: the network's answer there is the same
+that no load reaches through six layers are far: the network's output there is the same
 whatever the load. Prints mean Euclidean errors by hops from the loads, in mm, beside
 what there is to predict.
 """
@@ -55,15 +55,15 @@ def hops(model: PhysGNNModel, loaded: IntArray) -> IntArray:
 
 
 def measure(model: PhysGNNModel, store: Store, step: int) -> list[list[str]]:
-    """Return a row a range of hops: points, displacement, answer, error; means, mm."""
+    """Return a row a range of hops: points, displacement, output, error; means, mm."""
     sums: dict[str, FloatArray] = {}
     for path, level in store.samples()[::step]:
         case = store.load_case(int(path), int(level))
         true = store.displacement(int(path))[level]
         with torch.inference_mode():
-            answer = model(model.encode(case)[None], graph_of(model.body))[0].numpy()
+            output = model(model.encode(case)[None], graph_of(model.body))[0].numpy()
         away = hops(model, case.nodes)
-        lengths = [np.linalg.norm(x, axis=1) for x in (true, answer, answer - true)]
+        lengths = [np.linalg.norm(x, axis=1) for x in (true, output, output - true)]
         groups = {
             name: (away >= first) & (away <= last)
             for name, (first, last) in RANGES.items()
@@ -88,7 +88,7 @@ def main() -> None:
     options = parser.parse_args()
     store = Store.open(options.store)
     model = published_model(options.folder, store, options.dataset)
-    head = ("points", "how many", "displacement", "answer", "error")
+    head = ("points", "how many", "displacement", "output", "error")
     table(head, measure(model, store, options.step))
 
 

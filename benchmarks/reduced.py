@@ -4,7 +4,7 @@
     python benchmarks/reduced.py paper-2.zarr --model galerkin --option pod_modes=96
 
 Prints errors in mm (mean Euclidean; mean over samples of the largest) at every fifth
-level, and milliseconds of CPU a prediction, one thread. Every load is answered twice
+level, and milliseconds of CPU a prediction, one thread. Every load is predicted twice
 and the second time counts: the first may have to factorise.
 """
 
@@ -48,7 +48,7 @@ def show(name: str, rows: FloatArray) -> None:
 
 
 def main() -> None:
-    """Fit on the training part of a split, answer the test part."""
+    """Fit on the training part of a split, predict the test part."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("store", type=Path)
     parser.add_argument("--model", choices=("galerkin", "reduced"), default="reduced")

@@ -121,23 +121,23 @@ def length(u: np.ndarray) -> np.ndarray:
 
 
 def study(meshes: list[TetMesh], element: str) -> dict[str, list[np.ndarray]]:
-    """Solve on all meshes and print what refinement changes; return the answers."""
+    """Solve on all meshes and print what refinement changes; return the solutions."""
     options = SolverOptions(tolerance_mm=1e-5)
     forces = point_forces(meshes[0])
-    answers: dict[str, list[np.ndarray]] = {}
+    solutions: dict[str, list[np.ndarray]] = {}
     for mesh in meshes:
         start = time.perf_counter()
         solver = Solver(Body(mesh, BRAIN_AND_TUMOUR, element=element), options=options)
         for name, path in load_paths(mesh, forces).items():
             solution = solver.solve(path)
             assert solution.converged, f"{name}: {solution.message}"
-            answers.setdefault(name, []).append(solution.displacement[-1])
+            solutions.setdefault(name, []).append(solution.displacement[-1])
         seconds = time.perf_counter() - start
         print(f"{mesh.n_points} points, {element}: {seconds:.0f} s\n", flush=True)
     print(f"| {' | '.join(COLUMNS)} |\n|{'---|' * len(COLUMNS)}")
-    for name, found in answers.items():
+    for name, found in solutions.items():
         print_rows(name, found)
-    return answers
+    return solutions
 
 
 def print_rows(name: str, found: list[np.ndarray]) -> None:
@@ -166,10 +166,10 @@ def print_rows(name: str, found: list[np.ndarray]) -> None:
         print(f"| {' | '.join(cells)} |")
 
 
-def print_apart(answers: dict[str, dict[str, list[np.ndarray]]]) -> None:
+def print_apart(solutions: dict[str, dict[str, list[np.ndarray]]]) -> None:
     """Print how far two elements are apart on the same meshes."""
-    one, other = answers.values()
-    print(f"\n| {' and '.join(answers)} apart | points | mean, largest, mm |")
+    one, other = solutions.values()
+    print(f"\n| {' and '.join(solutions)} apart | points | mean, largest, mm |")
     print("|---|---|---|")
     for name in one:
         for u, v in zip(one[name], other[name], strict=True):
@@ -186,9 +186,9 @@ def main() -> None:
     meshes = [base_mesh(options.points)]
     for _ in range(options.refinements):
         meshes.append(refine(meshes[-1]))
-    answers = {element: study(meshes, element) for element in options.elements}
-    if len(answers) == 2:
-        print_apart(answers)
+    solutions = {element: study(meshes, element) for element in options.elements}
+    if len(solutions) == 2:
+        print_apart(solutions)
 
 
 if __name__ == "__main__":

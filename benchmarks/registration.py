@@ -105,7 +105,7 @@ class Compared:
         """Return a displacement of the registered mesh at the true points."""
         return self._locate(displacement)
 
-    def answers(
+    def displacements(
         self, measured: PointPairs | SurfacePoints
     ) -> tuple[dict[str, FloatArray], Registration]:
         """Return the displacement of the true points by every method."""
@@ -140,11 +140,14 @@ class Table:
         self._seconds: list[float] = []
 
     def add(
-        self, truth: FloatArray, answers: Mapping[str, FloatArray], found: Registration
+        self,
+        truth: FloatArray,
+        displacements: Mapping[str, FloatArray],
+        found: Registration,
     ) -> str:
         """Take in one case and return a line about it."""
-        for name, answer in answers.items():
-            error = np.linalg.norm(answer - truth, axis=1)
+        for name, displacement in displacements.items():
+            error = np.linalg.norm(displacement - truth, axis=1)
             means = [error[inside].mean() for inside in self._where.values()]
             self._rows.setdefault(name, []).append(means)
         bound, seconds = found.prediction.error_estimate_mm, found.prediction.seconds
@@ -205,8 +208,8 @@ def main() -> None:
         largest = np.linalg.norm(case.displacement, axis=1).max()
         print(f"{seed:3d}: shift {largest:5.1f} mm")
         for kind, table in tables.items():
-            answers, found = body.answers(getattr(case, kind))
-            print(table.add(case.displacement, answers, found), flush=True)
+            displacements, found = body.displacements(getattr(case, kind))
+            print(table.add(case.displacement, displacements, found), flush=True)
     for table in tables.values():
         print(f"\n{table}")
 

@@ -36,7 +36,7 @@ class Other(FromFunction):
 
 
 class Starts:
-    """What is compared: each answers a sample to the tolerance."""
+    """What is compared: each brings a sample within the tolerance."""
 
     def __init__(self, run: Path, store: Store, tolerance_mm: float) -> None:
         self.store, self._tolerance_mm = store, tolerance_mm
@@ -57,7 +57,7 @@ class Starts:
         return np.zeros_like(self._before)
 
     def __call__(self, what: str, sample: Sample) -> Prediction:
-        """Answer a sample from one of the starts."""
+        """Repair a sample from one of the starts."""
         path, level = sample
         self._before = self._zero(self.store.load_case(path, level))
         if level:

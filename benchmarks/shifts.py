@@ -35,7 +35,7 @@ N_PAIRS, N_SURFACE, N_LANDMARKS = 50, 2000, 15
 DEEP_MM = 50.0
 NOISE_MM, SHIFT_MM = (0.5, 1.0), (5.0, 12.0)
 TRUE_HELD_MM = 80.0
-BUCKLED = 1.5  # times the linear answer
+BUCKLED = 1.5  # times the linear solution
 LEVELS, MAX_STEPS, CONVERGED_MM = 8, 15, 1e-3
 TRUE_MATERIALS = {0: NeoHookean(2500.0, 0.45), 1: NeoHookean(9000.0, 0.47)}
 
@@ -126,10 +126,10 @@ class Truth:
         for level in range(1, LEVELS + 1):
             load = (level / LEVELS * forces)[None].astype(np.float32)
             for _ in range(MAX_STEPS):
-                answer = self.tangent(u, load)
-                if answer is None:
+                solved = self.tangent(u, load)
+                if solved is None:
                     return found
-                step = answer[0][0] + answer[1]
+                step = solved[0][0] + solved[1]
                 u = u + step
                 if np.linalg.norm(step, axis=1).max() < CONVERGED_MM:
                     found.append(u)

@@ -67,7 +67,9 @@ def draw(mesh: pg.TetMesh, file: Path) -> None:
     plotter = pv.Plotter(off_screen=True, window_size=(600, 450))
     colours = ["#d8c3b4", "#b3202c", "#3e7fbf"]
     plotter.add_mesh(half, cmap=colours, show_edges=True, show_scalar_bar=False)
-    plotter.camera_position = [(150, 400, 130), (0, -20, 10), (0, 0, 1)]
+    legend = [[tissue, colour] for tissue, colour in zip(REGIONS, colours, strict=True)]
+    plotter.add_legend(legend, bcolor=None, size=(0.3, 0.3), loc="upper right")
+    plotter.camera_position = [(100, 330, 100), (-25, -20, 10), (0, 0, 1)]
     plotter.screenshot(file)
     plotter.close()
 

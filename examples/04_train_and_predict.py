@@ -38,7 +38,7 @@ batch_size = 4
 early_stopping = 1000
 max_minutes = 0.15
 [options]
-modes = 4
+pod_modes = 4
 """
 
 
@@ -73,11 +73,11 @@ def main(folder: Path) -> dict[str, float]:
 
 def draw(length: np.ndarray, error: np.ndarray, file: Path) -> None:
     """Draw every point's error over its displacement."""
-    figure, axes = plt.subplots(figsize=(6, 4.5), layout="constrained")
-    axes.loglog(length, error, ".", markersize=3, color="#0f9d7e")
-    axes.set(xlabel="displacement, mm", ylabel="error of the network, mm")
+    figure, axes = plt.subplots(figsize=(4, 3), layout="constrained")
+    axes.loglog(length, error, ".", markersize=2, color="#0f9d7e")
+    axes.set(xlabel="displacement, mm", ylabel="network's error, mm")
     axes.set(xlim=(1e-3, None))
-    figure.savefig(file, dpi=100)
+    figure.savefig(file, dpi=150)
     plt.close(figure)
 
 

@@ -3,18 +3,23 @@
     python examples/06_register_and_warp.py [folder]
 
 The bundled brain sinks by 8 mm under a craniotomy. Forty points of its surface are
-measured with 0.7 mm of noise. Writes shift.vtu, t1-deformed.nii.gz and picture.png.
+measured with 0.7 mm of noise. Writes shift.vtu, t1-deformed.nii.gz, slices.png and
+picture.png.
 """
 
 import sys
 from pathlib import Path
 
+import matplotlib as mpl
 import nibabel as nib
 import numpy as np
 from nilearn.datasets import load_mni152_template
 
 import physgnn as pg
 from physgnn.geometry import boundary_points
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
 
 CRANIOTOMY = np.array([39.7, 8.8, 62.5])  # mm
 SETS = """
@@ -50,8 +55,9 @@ def main(folder: Path) -> dict[str, float]:
         folder / "t1.nii.gz",
         folder / "shift.vtu",
         folder / "t1-deformed.nii.gz",
-        slices=folder / "picture.png",
+        slices=folder / "slices.png",
     )
+    draw(folder)
     u = found.prediction.displacement
     truth = sinking(mesh.points[others])
     bound = found.prediction.error_estimate_mm
@@ -75,6 +81,20 @@ def sinking(points: np.ndarray) -> np.ndarray:
     squared = ((points - CRANIOTOMY) ** 2).sum(axis=1)
     depth = 8.0 * np.exp(-squared / (2 * 35.0**2))
     return depth[:, None] * np.array([-0.5, -0.3, -0.8])
+
+
+def draw(folder: Path) -> None:
+    """Draw a coronal slice through the craniotomy before and after, right is right."""
+    figure, both = plt.subplots(1, 2, figsize=(4, 3), layout="constrained")
+    names = {"before": "t1.nii.gz", "after": "t1-deformed.nii.gz"}
+    for axes, (title, name) in zip(both, names.items(), strict=True):
+        image = nib.load(folder / name)
+        j = round(np.linalg.solve(image.affine, [*CRANIOTOMY, 1.0])[1])
+        axes.imshow(image.get_fdata()[:, j].T, cmap="gray", origin="lower")
+        axes.set_title(title)
+        axes.axis("off")
+    figure.savefig(folder / "picture.png", dpi=150)
+    plt.close(figure)
 
 
 if __name__ == "__main__":

@@ -48,10 +48,11 @@ def main(folder: Path) -> dict[str, float]:
     pg.train(store, run, model=METHOD)
     report = pg.evaluate(run, baselines="zero,linear")
     errors = {row.name: np.mean([s.mean for s in row.samples]) for row in report.models}
-    figure, axes = plt.subplots(figsize=(6, 4.5), layout="constrained")
-    axes.barh(list(errors), list(errors.values()), color="#0f9d7e")
-    axes.set(xlabel="mean error on load paths never seen, mm")
-    figure.savefig(folder / "picture.png", dpi=100)
+    figure, axes = plt.subplots(figsize=(4, 3), layout="constrained")
+    labels = [name.replace("method:", "") for name in errors]
+    axes.barh(labels, list(errors.values()), color="#0f9d7e")
+    axes.set(xlabel="mean error, load paths never seen, mm")
+    figure.savefig(folder / "picture.png", dpi=150)
     plt.close(figure)
     return {name: float(error) for name, error in errors.items()}
 

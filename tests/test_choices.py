@@ -9,7 +9,10 @@ from physgnn.evaluation.benchmark.tasks import SIZES, TASKS
 from physgnn.geometry.meshing.tetrahedra import MESHERS
 from physgnn.imaging.image_warping import INTERPOLATIONS
 from physgnn.io.medical.images.nifti_place import FORMS
+from physgnn.io.medical.markups import POINT_READERS
+from physgnn.io.plans.formats import PLAN_FORMATS
 from physgnn.io.stress_curves import PA
+from physgnn.io.surfaces.formats import SURFACE_READERS
 from physgnn.learning.models import MODELS
 from physgnn.learning.physgnn.precision import PRECISIONS
 from physgnn.learning.training.budget import CLOCKS
@@ -46,6 +49,9 @@ from physgnn.stages.patient.intraoperative.measured_files import TRANSFORMED
         ("ModelName", MODELS),
         ("TaskName", [*TASKS, "all"]),
         ("TaskSize", SIZES),
+        ("SurfaceSuffix", SURFACE_READERS),
+        ("PointSuffix", POINT_READERS),
+        ("PlanSuffix", PLAN_FORMATS),
     ],
 )
 def test_a_choice_names_the_rows_of_its_table(choice: str, rows: object) -> None:

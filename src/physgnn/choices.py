@@ -34,6 +34,9 @@ TABLES = {
     "Contrast": ("segmentation/contrasts.py", "FLUID_IS_BRIGHT"),
     "TaskName": ("evaluation/benchmark/tasks.py", "TASKS"),
     "TaskSize": ("evaluation/benchmark/tasks.py", "SIZES"),
+    "SurfaceSuffix": ("io/surfaces/formats.py", "SURFACE_READERS"),
+    "PointSuffix": ("io/medical/markups.py", "POINT_READERS"),
+    "PlanSuffix": ("io/plans/formats.py", "PLAN_FORMATS"),
 }
 """Choice → module and table whose rows it names."""
 WITHOUT_ROW = {

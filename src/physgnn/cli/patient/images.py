@@ -15,8 +15,8 @@ def warp(
         Path,
         typer.Argument(
             help="The image at rest: NIfTI, NRRD, MetaImage, FreeSurfer's, or a folder "
-            "of DICOM. Or what was planned on it: points and curves (.mrk.json, .fcsv, "
-            ".tag, .csv), a model (.stl, .vtp, .ply, .obj), tracts (.trk, .tck)."
+            "of DICOM. Or what was planned on it, points, curves, a model or tracts: "
+            f"{', '.join(choices.names('PlanSuffix'))}."
         ),
     ],
     prediction: Annotated[

@@ -66,8 +66,8 @@ def mesh(
     brain: Annotated[
         Path | None,
         typer.Option(
-            help="The surface of the brain, in mm: STL, PLY, OBJ, VTP, VTK, OFF, Gmsh "
-            "or Abaqus."
+            help="The surface of the brain, in mm: "
+            f"{', '.join(choices.names('SurfaceSuffix'))}."
         ),
     ] = None,
     tumour: Annotated[

@@ -25,8 +25,8 @@ def register(
     points: Annotated[
         Path | None,
         typer.Option(
-            help="Pairs of points of the surface before and after: CSV, .tag, .fcsv "
-            "or .mrk.json."
+            help="Pairs of points of the surface before and after: "
+            f"{', '.join(choices.names('PointSuffix'))}."
         ),
     ] = None,
     target: Annotated[
@@ -48,8 +48,9 @@ def register(
     surface: Annotated[
         Path | None,
         typer.Option(
-            help="The exposed surface after the shift: a mesh (STL, PLY, OBJ, VTP, "
-            "VTK, OFF …) or points (CSV, .tag, .fcsv, .mrk.json)."
+            help="The exposed surface after the shift: a mesh "
+            f"({', '.join(choices.names('SurfaceSuffix'))}) or points "
+            f"({', '.join(choices.names('PointSuffix'))})."
         ),
     ] = None,
     whole_surface: Annotated[
