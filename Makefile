@@ -30,7 +30,7 @@ setup: $(STAMP)
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 11) <= v <= (3, 13) else f"physgnn needs Python 3.11 to 3.13, and {sys.executable} is {v[0]}.{v[1]}: name another with make PYTHON=…")'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	index=$$($(TRY_INDEX)); $(BIN)/python -m pip install --quiet $$index $(PIP_FLAGS) --constraint constraints.txt --editable '.[tetgen,segment,dev]'
+	index=$$($(TRY_INDEX)); $(BIN)/python -m pip install --quiet $$index $(PIP_FLAGS) --constraint constraints.txt --editable '.[tetgen,meshfix,segment,dev]'
 	touch $@
 
 demo: setup

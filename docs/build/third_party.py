@@ -27,6 +27,8 @@ What `constraints.txt` installs, with the licence that each package's metadata s
 `docs/build/third_party.py` writes this list.
 [Dependencies](docs/reference/dependencies.md) says what the main ones are for.
 
+tetgen and pymeshfix are extras, which a plain `pip install physgnn` leaves out.
+
 The repository carries three.js, KaTeX and iframe-worker, all MIT.
 
 | package | version | licence |

@@ -10,7 +10,6 @@ import warnings
 
 import numpy as np
 import pyacvd
-import pymeshfix
 import pyvista as pv
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -21,6 +20,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.normals import vertex_normals
 from physgnn.geometry.surface import Surface, volume
+from physgnn.geometry.surfaces.repair import repaired
 
 LevelSet = NDArray[np.float32]
 
@@ -110,16 +110,12 @@ def even_surface(distance: LevelSet, grid: ImageGrid, edge_mm: float) -> Surface
     Raises
     ------
     InputError
-        If nothing is left of the tissue.
+        If nothing is left of the tissue, or the triangles cannot be repaired.
     """
     n_inside = _n_inside(distance)
     fine = _fine_surface(distance, grid, edge_mm)
     n_points = max(int(fine.area / (np.sqrt(0.75) * edge_mm**2)), 40)
-    fixer = pymeshfix.MeshFix(*_faces(_even(fine, n_points)))
-    fixer.repair()
-    surface = Surface(fixer.points, fixer.faces)
-    if volume(surface) < 0:
-        surface = surface.flipped()
+    surface = repaired(Surface(*_faces(_even(fine, n_points))), "its even triangles")
     return with_volume(surface, n_inside * grid.voxel_volume_mm3)
 
 

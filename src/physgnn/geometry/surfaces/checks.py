@@ -158,7 +158,8 @@ def _check_edges(surface: Surface, name: str) -> None:
             middle = surface.points[edges[wrong][0]].mean(axis=0)
             raise InputError(
                 f"{name}: the surface must be closed ({wrong.sum()} {what} edges, the "
-                f"first at {_text(middle)}): {remedy}, for instance with pymeshfix"
+                f"first at {_text(middle)}): {remedy}, for instance with MeshLab or "
+                "pymeshfix"
             )
 
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pyacvd
-import pymeshfix
 import pyvista as pv
 from scipy import ndimage
 from skimage.measure import marching_cubes
@@ -18,6 +17,7 @@ from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.surface import Surface
 from physgnn.geometry.surfaces.checks import check_nested, check_surface
+from physgnn.geometry.surfaces.repair import repaired
 
 VOXEL_MM = 2
 CLOSING_MM = 10.0  # fills the sulci, keeps the cleft between cerebrum and cerebellum
@@ -105,9 +105,8 @@ def _brain_surface(n_points: int) -> Surface:
     points = (voxels - margin) @ affine[:3, :3].T + affine[:3, 3]
     fine = pv.PolyData.from_regular_faces(points, faces)
     coarse = _uniform(fine, n_points)
-    fixer = pymeshfix.MeshFix(coarse.points, coarse.regular_faces)
-    fixer.repair()
-    return Surface(fixer.points, fixer.faces)
+    points = np.asarray(coarse.points, dtype=np.float64)
+    return repaired(Surface(points, coarse.regular_faces.astype(np.int32)), "brain")
 
 
 def _uniform(fine: pv.PolyData, n_points: int) -> pv.PolyData:
