@@ -19,7 +19,6 @@ from physgnn.cli import (
     uncertainties,
     viewing,
 )
-from physgnn.cli.outputs import guarded
 from physgnn.errors import InputError
 from physgnn.stages.naming import COMMANDS
 
@@ -55,7 +54,7 @@ def _register() -> None:
         for name, function in vars(module).items():
             its_own = getattr(function, "__module__", "") == module.__name__
             if its_own and inspect.isfunction(function) and not name.startswith("_"):
-                app.command(NAMES[name], hidden=name in HIDDEN)(guarded(function))
+                app.command(NAMES[name], hidden=name in HIDDEN)(function)
 
 
 _register()

@@ -12,6 +12,7 @@ from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
 from physgnn.io import read_mesh
 from physgnn.stages.datasets.chosen_loads import chosen_preset
+from physgnn.stages.outputs import Output, writes
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class Adapted:
     coverage: float | None
 
 
+@writes(out=Output(is_folder=True, inside=("run",)))
 def adapt(
     run: str | Path | None,
     case: str | Path,

@@ -15,10 +15,11 @@ from physgnn.geometry.point_sets import HalfSpace, Nearest, select
 from physgnn.geometry.regions import REGIONS, TUMOUR
 from physgnn.geometry.surface import Surface
 from physgnn.io import read_mesh
-from physgnn.io.integrity.atomic import check_folder, write_whole
+from physgnn.io.integrity.atomic import write_whole
 from physgnn.io.medical.markups import read_points
 from physgnn.mechanics.materials import TISSUES
 from physgnn.progress import Log, no_log
+from physgnn.stages.outputs import Output, writes
 
 # The skull holds this part of the surface, as in the middle of the synthetic patients.
 HELD = 0.6
@@ -52,6 +53,7 @@ class Craniotomy:
     area_mm2: float
 
 
+@writes(out=Output((".toml",)))
 def init(
     case: str | Path,
     out: str | Path,
@@ -87,9 +89,6 @@ def init(
         If the mesh has no tumour and no point is given, the point is not at the head,
         or a file cannot be used.
     """
-    check_folder(Path(out))
-    if Path(out).suffix != ".toml":
-        raise InputError(f"the file to write must end in .toml (got {out})")
     if not RADIUS_MM[0] <= radius_mm <= RADIUS_MM[1]:
         raise InputError(f"radius_mm must be in 5…100 (got {radius_mm})")
     mesh = read_mesh(case)

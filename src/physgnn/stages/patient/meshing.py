@@ -15,10 +15,12 @@ from physgnn.geometry.plausibility import check_millimetres, check_volume_ml
 from physgnn.geometry.segmentation.masks import SMALLEST_MM3
 from physgnn.geometry.surface import volume
 from physgnn.progress import Log, no_log
+from physgnn.stages.outputs import Output, writes
 
 MESHED_LABELS_POINTS = 10_000  # about how many points a label map's mesh has
 
 
+@writes(out=Output((".vtu",)))
 def mesh(
     out: str | Path,
     *,
@@ -102,12 +104,10 @@ def mesh(
     """
     from physgnn.config import read_point_sets
     from physgnn.io import write_mesh
-    from physgnn.io.integrity.atomic import check_folder
     from physgnn.stages.patient.mesh_files import is_mesh_file, mesh_of_file
     from physgnn.stages.patient.segmentation import mesh_segmentation
     from physgnn.stages.patient.surface_meshing import mesh_surfaces
 
-    check_folder(Path(out))
     if ventricles is not None and (segmentation is None or is_mesh_file(segmentation)):
         raise InputError("--ventricles needs a label map, which gets them from the T1")
     if [mni152, brain is not None, segmentation is not None].count(True) != 1:
