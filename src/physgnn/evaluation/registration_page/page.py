@@ -94,9 +94,8 @@ def _sections(
 ) -> Iterator[tuple[str, Parts]]:
     """Yield the sections in their order."""
     found = case.prediction
-    status: Parts = [
-        ("aside", f"{str(found.status).capitalize()}: {found.status.remedy}.")
-    ]
+    remedy = found.status.remedy_for("register")
+    status: Parts = [("aside", f"{str(found.status).capitalize()}: {remedy}.")]
     if found.reasons:
         status.append(("lines", found.reasons))
     yield "Status", status
