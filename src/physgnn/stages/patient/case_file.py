@@ -11,6 +11,7 @@ from physgnn.config import read_preset
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh, boundary_surface, contains, vertex_normals
 from physgnn.geometry.normals import area_vectors
+from physgnn.geometry.plausibility import UNITS
 from physgnn.geometry.point_sets import HalfSpace, Nearest, select
 from physgnn.geometry.regions import REGIONS, TUMOUR
 from physgnn.geometry.surface import Surface
@@ -26,6 +27,10 @@ HELD = 0.6
 FEWEST_LOADED = 10
 # A point on the scalp or in the bone flap is this near to the cortex, mm.
 LARGEST_DISTANCE = 40.0
+# Inside, a mesh whose folds are smoothed away leaves this much, mm.
+DEEPEST = 15.0
+# A point in another unit lies near to where all coordinates are 0; in its own, here.
+ON_CORTEX, SMALLEST_COORDINATE = 10.0, 1.0
 # As strong as the loads of the published second set: see PRESETS.
 TRACTION_PA = 2200.0
 RADIUS_MM = (5.0, 100.0)
@@ -217,15 +222,18 @@ def _cortex_at(point: FloatArray, surface: Surface, name: str) -> FloatArray:
     used = surface.points[np.unique(surface.faces)]
     tree = KDTree(used)
     distance, nearest = tree.query(point)
-    if distance <= LARGEST_DISTANCE:
+    inside = contains(surface, point)
+    farthest = DEEPEST if inside else LARGEST_DISTANCE
+    unit = _unit(point, tree, float(distance))
+    if distance <= farthest and not unit:
         return np.asarray(used[nearest])
-    where = "inside the brain" if contains(surface, point) else "outside of the head"
+    where = "inside the brain" if inside else "outside of the head"
     turned, _ = tree.query(point * [-1.0, -1.0, 1.0])
-    hint = (
-        "its x and y look like LPS, so turn their signs"
-        if turned <= LARGEST_DISTANCE
-        else "place it on the scan that the mesh was made from"
-    )
+    hint = "place it on the scan that the mesh was made from"
+    if unit:
+        hint = f"it looks like {unit}, so multiply it by {UNITS[unit]:g}"
+    elif turned <= LARGEST_DISTANCE and not inside:
+        hint = "its x and y look like LPS, so turn their signs"
     x, y, z = point
     low, high = used.min(axis=0).round(0), used.max(axis=0).round(0)
     raise InputError(
@@ -233,6 +241,14 @@ def _cortex_at(point: FloatArray, surface: Surface, name: str) -> FloatArray:
         f"{z:.1f}) mm is {where}, {distance:.0f} mm from the surface, which spans "
         f"{low} to {high} mm): {hint}"
     )
+
+
+def _unit(point: FloatArray, tree: KDTree, distance: float) -> str:
+    """Return the unit in which a point lies on the cortex, if in mm it does not."""
+    if distance <= ON_CORTEX and np.abs(point).max() >= SMALLEST_COORDINATE:
+        return ""
+    on = [unit for unit, mm in UNITS.items() if tree.query(point * mm)[0] <= ON_CORTEX]
+    return on[0] if on else ""
 
 
 def _nearest_to_tumour(mesh: TetMesh, surface: Surface) -> FloatArray:
