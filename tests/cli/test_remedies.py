@@ -4,11 +4,16 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import typer
 
 import physgnn
+from dicom_files import write_series
 from physgnn.cli.app import app
+from physgnn.errors import InputError
+from physgnn.geometry.image import Image
+from physgnn.io.medical.images.formats import read_image
 from physgnn.prediction.evidence import RULES
 from physgnn.prediction.status import ARGUMENT, PredictionStatus
 
@@ -60,3 +65,14 @@ def test_every_option_that_a_message_names_is_one_of_some_command() -> None:
         name = file.relative_to(folder).as_posix()
         named = set(OPTION.findall(file.read_text("utf-8"))) - OF_OTHERS
         assert named <= known or name in CALLS, (name, named - known)
+
+
+def test_a_series_is_named_by_what_every_command_has(tmp_path: Path) -> None:
+    """`segment`, `register`, `predict` and `view` have no --series."""
+    image = Image(np.arange(27.0).reshape(3, 3, 3), np.eye(4))
+    for uid in ("1.2.3", "1.2.4"):
+        write_series(tmp_path / "two", image, uid=uid, prefix=uid)
+    with pytest.raises(InputError, match=r"pick one by a path FOLDER/UID, or where a"):
+        read_image(tmp_path / "two")
+    one = read_image(tmp_path / "two" / "1.2.4")
+    assert one.data.shape == (3, 3, 3)
