@@ -247,8 +247,13 @@ def _unit(point: FloatArray, tree: KDTree, distance: float) -> str:
     """Return the unit in which a point lies on the cortex, if in mm it does not."""
     if distance <= ON_CORTEX and np.abs(point).max() >= SMALLEST_COORDINATE:
         return ""
-    on = [unit for unit, mm in UNITS.items() if tree.query(point * mm)[0] <= ON_CORTEX]
-    return on[0] if on else ""
+    for unit, mm in UNITS.items():
+        place = point * mm  # what shrinks to a point fits anywhere
+        if np.abs(place).max() >= SMALLEST_COORDINATE:
+            away, _ = tree.query(place)
+            if away <= ON_CORTEX:
+                return unit
+    return ""
 
 
 def _nearest_to_tumour(mesh: TetMesh, surface: Surface) -> FloatArray:
