@@ -131,7 +131,7 @@ def _named(given: Paths, name: str, output: Output) -> Iterator[Path]:
             yield plan_named_like(path, like)
             continue
         named = named_like(path, like)
-        _check_suffix(f"--{name}", named, WRITTEN, named.name.lower())
+        _check_suffix("an image", named, WRITTEN, named.name.lower())
         yield named
 
 
@@ -175,13 +175,10 @@ def _check_kind(option: str, path: Path, output: Output) -> None:
     _check_writable(path.parent, f"cannot write {path}")
 
 
-def _check_suffix(
-    option: str, path: Path, suffixes: tuple[str, ...], name: str
-) -> None:
+def _check_suffix(what: str, path: Path, suffixes: tuple[str, ...], name: str) -> None:
     if not name.endswith(suffixes):
         raise InputError(
-            f"{path}: {option} is written as {' or '.join(suffixes)} "
-            f"(got '{path.name}')"
+            f"{path}: {what} is written as {' or '.join(suffixes)} (got '{path.name}')"
         )
 
 
@@ -190,7 +187,7 @@ def _check_folder(option: str, path: Path) -> None:
     if not there.is_dir():
         raise InputError(
             f"{option} must be a folder (got {path}, but {there} is a file): name "
-            "another"
+            "another folder"
         )
     _check_writable(there, f"cannot make files in {path}")
 
