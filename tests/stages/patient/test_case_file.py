@@ -1,6 +1,7 @@
 """A case file that `simulate` and `adapt` run as it is."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -97,16 +98,17 @@ def test_what_cannot_be_a_craniotomy_is_refused(case: Path) -> None:
 @pytest.mark.parametrize(
     ("place", "message"),
     [
-        ((0.0405, 0.0395, 0.08), "looks like metres, so multiply it by 1000"),
-        ((4.05, 3.95, 8.0), "looks like centimetres, so multiply it by 10"),
-        ((40.0, 40.0, 42.0), "inside the brain, 38 mm from the surface"),
+        ((0.1405, 0.1395, 0.18), "looks like metres, so multiply it by 1000"),
+        ((14.05, 13.95, 18.0), "looks like centimetres, so multiply it by 10"),
+        ((140.0, 140.0, 142.0), "inside the brain, 38 mm from the surface"),
     ],
 )
 def test_a_point_in_other_units_or_deep_inside_is_no_craniotomy(
     tmp_path: Path, place: tuple[float, float, float], message: str
 ) -> None:
-    """In metres it lay beside the origin, near which this cortex passes."""
-    write_mesh(tmp_path / "case.vtu", block_mesh(4, side=80.0))
+    """In metres it lay beside the origin, near which a cortex may pass."""
+    cube = block_mesh(4, side=80.0)
+    write_mesh(tmp_path / "case.vtu", replace(cube, points=cube.points + 100.0))
     (tmp_path / "point.csv").write_text("{},{},{}\n".format(*place))
     with pytest.raises(InputError, match=message):
         init(
