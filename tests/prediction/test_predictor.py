@@ -8,6 +8,7 @@ import pytest
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
+from physgnn.io.vtk.prediction_file import USABLE
 from physgnn.learning.baselines.linear import Linear
 from physgnn.learning.graph import graph_of
 from physgnn.learning.models import build_model
@@ -188,6 +189,10 @@ def test_every_status_has_its_remedy() -> None:
     for status in PredictionStatus:
         assert len(status.remedy) > 20
         assert "\n" not in status.remedy
+
+
+def test_files_call_usable_what_is_usable() -> None:
+    assert {str(s) for s in PredictionStatus if s.usable} == set(USABLE)
 
 
 def test_run_folder_round_trip(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from heads import template
+from heads import head, template
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
 from physgnn.segmentation import SegmentOptions, segment
@@ -42,6 +42,35 @@ def test_brain_passes_in_any_units(gain: float) -> None:
 def test_what_has_no_folds_is_refused(values: np.ndarray) -> None:
     with pytest.raises(InputError, match="grey and white matter"):
         check_brain(image(values), BALL)
+
+
+def ct_in_the_window_of_the_brain() -> tuple[Image, np.ndarray]:
+    """Tissue of 20 to 50 Hounsfield units, noise, a skull; 0 to 80 taken to 0 to 255.
+
+    A skull is 6.5 mm thick on average (Lillie et al. 2016), the fluid below it thin.
+    """
+    away = ndimage.distance_transform_edt(~BALL) * MM
+    tissue = 35.0 + 12.0 * ndimage.gaussian_filter(NOISE, 1.5) / 0.15
+    units = np.where(BALL, tissue, np.where(away <= 2.0, 10.0, -1000.0))
+    units[(away > 2.0) & (away <= 8.5)] = 900.0
+    units[(away > 8.5) & (away <= 14.0)] = 40.0
+    return image(np.clip(units + 3.0 * NOISE, 0.0, 80.0) * 255.0 / 80.0), BALL
+
+
+def test_skull_that_is_bright_is_of_a_ct_and_refused() -> None:
+    scan, inside = ct_in_the_window_of_the_brain()
+    with pytest.raises(
+        InputError, match=r"highest value; it looks like a CT.*any-size"
+    ):
+        check_brain(scan, inside)
+
+
+def test_skull_that_is_dark_is_of_mr_even_where_fat_is_the_brightest() -> None:
+    scan, inside = head()
+    check_brain(scan, inside)
+    data = np.asarray(scan.data)
+    clipped = np.clip(data, None, np.percentile(data, 98.0))  # as many scans are
+    check_brain(Image(clipped, scan.affine), inside)
 
 
 def test_shape_is_looked_at() -> None:

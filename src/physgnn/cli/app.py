@@ -9,7 +9,6 @@ from pkgutil import iter_modules
 import typer
 
 from physgnn.cli import patient, studies
-from physgnn.cli.outputs import guarded
 from physgnn.errors import InputError
 from physgnn.stages.naming import COMMANDS
 
@@ -47,7 +46,7 @@ def _commands() -> Iterator[tuple[str, Callable[..., None]]]:
 def _register() -> None:
     found = dict(_commands())
     for name in sorted(found, key=(*WORKFLOW, *found).index):
-        app.command(name, hidden=name in HIDDEN)(guarded(found[name]))
+        app.command(name, hidden=name in HIDDEN)(found[name])
 
 
 _register()

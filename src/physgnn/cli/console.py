@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
@@ -84,6 +85,16 @@ def conclude(status: "PredictionStatus", reasons: Sequence[str]) -> None:
     for reason in reasons:
         say(f"  {reason}")
     if not status.usable:
+        raise typer.Exit(NOT_USABLE)
+
+
+def conclude_stored(path: Path) -> None:
+    """End a command: exit code 3, with the status, if what it was given is not ok."""
+    from physgnn.io.vtk.prediction_file import read_status
+
+    stored = read_status(path)
+    if not stored.usable:
+        say(f"the displacement in {path} is not ok, nor what is made of it: {stored}")
         raise typer.Exit(NOT_USABLE)
 
 

@@ -43,9 +43,11 @@ def _code(module: str) -> int:
 
 def _guarded(run: Callable[[], int]) -> int:
     """Run the command and return its exit code; say what went wrong, in one line."""
+    from physgnn import scratch
     from physgnn.errors import InputError
 
     try:
+        scratch.clear_at_start()
         code = run()
         sys.stdout.flush()
         return code

@@ -1,10 +1,16 @@
 """What a displacement is called, and what to do about it."""
 
+import re
 from enum import IntEnum
+
+ARGUMENT = re.compile(r"\b[a-z]+(_[a-z]+)+\b")
 
 
 class PredictionStatus(IntEnum):
-    """How a prediction or a registration ended. The text of each is its remedy."""
+    """How a prediction or a registration ended. The text of each is its remedy.
+
+    It names arguments of the functions; `remedy_for` names a command's options.
+    """
 
     OK = 0
     SOLVED = 1
@@ -25,6 +31,19 @@ class PredictionStatus(IntEnum):
     def remedy(self) -> str:
         """One line: what happened and what to do."""
         return _REMEDY[self]
+
+    def remedy_for(self, command: str) -> str:
+        """Return the remedy as a command says it: with options that it has.
+
+        Parameters
+        ----------
+        command : str
+            "predict" or "register".
+        """
+        text = self.remedy
+        if command == "register":
+            text = _REMEDY_OF_REGISTRATION.get(self, text)
+        return ARGUMENT.sub(lambda name: "--" + name[0].replace("_", "-"), text)
 
     @property
     def usable(self) -> bool:
@@ -55,7 +74,7 @@ _REMEDY = {
     ),
     PredictionStatus.TOLERANCE_NOT_MET: (
         "the solve ended before it reached equilibrium: lower the force or refine the "
-        "mesh under it; of a registration, check points, materials and --skull"
+        "mesh under it"
     ),
     PredictionStatus.NO_ERROR_ESTIMATE: (
         "nothing says how large the error is: take the physical estimate, or train the "
@@ -63,7 +82,7 @@ _REMEDY = {
     ),
     PredictionStatus.ERROR_TOO_LARGE: (
         "the error may be too large beside the displacement: give tolerance_mm to have "
-        "it repaired; of a registration, measure more points"
+        "it repaired"
     ),
     PredictionStatus.IMPLAUSIBLE_DISPLACEMENT: (
         "no brain moves like that: check units, axes and the size of what was given"
@@ -91,5 +110,19 @@ _REMEDY = {
     PredictionStatus.OFFSET_NOT_TOLD: (
         "a rigid offset of the navigation cannot be told from a shift of the brain: "
         "measure farther apart and inside, or points that cannot have moved"
+    ),
+}
+
+_REMEDY_OF_REGISTRATION = {
+    PredictionStatus.TOLERANCE_NOT_MET: (
+        "the search for equilibrium ended early: check points, --materials and --skull"
+    ),
+    PredictionStatus.NO_ERROR_ESTIMATE: (
+        "nothing says how large the error is: measure more points, spread over the "
+        "exposed surface"
+    ),
+    PredictionStatus.ERROR_TOO_LARGE: (
+        "the error may be too large beside the displacement: measure more points, "
+        "spread over the exposed surface, or landmarks inside the brain"
     ),
 }

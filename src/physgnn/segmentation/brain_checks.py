@@ -21,6 +21,9 @@ CUT = 0.25
 # and coarser than FINE_MM, in parts of the median intensity.
 FINE_MM, COARSE_MM, CORE_MM, FOLDS = 2.0, 8.0, 6.0, 0.04
 STEP_MM = 2.0
+# In a CT shown in the window of the brain the skull has the window's highest value. It
+# lies around the brain; MR shows bone dark, and fat farther out.
+SKULL_MM, HIGHEST, SKULL_SHARE = (2.0, 9.0), 0.9, 0.3
 REMEDY = "give a T1, T1c, T2 or FLAIR of a head, or pass --any-size (any_size=True)"
 
 
@@ -37,8 +40,8 @@ def check_brain(image: Image, brain: BoolArray) -> None:
     Raises
     ------
     InputError
-        If its extents, its roundness or its tissue are not a brain's, or the image
-        cuts it.
+        If its extents, its roundness or its tissue are not a brain's, the image cuts
+        it, or what lies around it is no skull of MR.
     """
     voxel = float(image.grid.voxel_mm[0])
     extents = np.array([np.ptp(i) + 1 for i in np.nonzero(brain)]) * voxel
@@ -70,6 +73,13 @@ def check_brain(image: Image, brain: BoolArray) -> None:
             f"{folds:.1%} over {FINE_MM:g} to {COARSE_MM:g} mm, where brains vary by "
             f"{FOLDS:.0%} or more; it looks like a phantom, a ramp or a CT): {REMEDY}"
         )
+    bright = _bright_skull(values, brain[coarse], every * voxel)
+    if bright > SKULL_SHARE:
+        raise InputError(
+            "the skull of an MR scan must be dark (around what was found, "
+            f"{bright:.0%} has the scan's highest value; it looks like a CT in the "
+            f"window of the brain): {REMEDY}"
+        )
 
 
 def _cut_share(brain: BoolArray) -> float:
@@ -93,6 +103,16 @@ def _roundness(mask: BoolArray) -> float:
         (np.einsum("ni,ij,nj->n", from_middle, inverse, from_middle) <= 1).sum()
     )
     return float(2.0 * shared / (volume + len(places)))
+
+
+def _bright_skull(values: FloatArray, brain: BoolArray, voxel: float) -> float:
+    """Return how much of what lies around a mask has the highest value there is."""
+    away = ndimage.distance_transform_edt(~brain, sampling=voxel)
+    around = values[(away > SKULL_MM[0]) & (away <= SKULL_MM[1])]
+    low, high = float(values.min()), float(values.max())
+    if not len(around) or high <= low:
+        return 0.0
+    return float((around >= low + HIGHEST * (high - low)).mean())
 
 
 def _folds(values: FloatArray, brain: BoolArray, voxel: float) -> float:

@@ -13,7 +13,7 @@ from meshes import block_mesh
 from physgnn.cli import main
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.meshing import tetgen_process
-from physgnn.io import read_mesh, write_mesh
+from physgnn.io import read_mesh, write_mesh, write_prediction
 from physgnn.io.medical.images.formats import read_image, write_image
 
 
@@ -165,10 +165,34 @@ def test_what_is_not_ok_says_so_in_the_exit_code_the_file_and_the_next_command(
     assert b"too few points" in header["descrip"].item()
     image = Image(np.ones((8, 8, 8)), np.diag([10.0, 10.0, 10.0, 1.0]))
     write_image(tmp_path / "t1.nii", image)
-    run("warp", tmp_path / "t1.nii", out, "-o", tmp_path / "moved.nii")
-    said = capsys.readouterr()
-    assert "holds a displacement that is not ok: too few points: 3 places" in said.err
-    assert (tmp_path / "moved.nii").is_file()
+    (tmp_path / "plan.csv").write_text("10,10,70\n20,10,70\n")
+    t1, u = tmp_path / "t1.nii", tmp_path / "u.nii"
+    for made, words in {
+        "moved.nii": ("warp", t1, out),
+        "moved.csv": ("warp", tmp_path / "plan.csv", out),
+        "back.nii": ("warp", t1, out, "--back"),
+        "deviation.nii": ("uncertainty", out, t1, "--wrong", u),
+    }.items():
+        run(*words, "-o", tmp_path / made, code=3)
+        said = capsys.readouterr()
+        assert "a displacement that is not ok: too few points: 3 places" in said.err
+        assert f"{out} is not ok, nor what is made of it: too few points" in said.err
+        assert (tmp_path / made).is_file()
+
+
+def test_a_status_without_reasons_counts_and_none_at_all_does_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = block_mesh(2, side=40.0)
+    image = Image(np.ones((8, 8, 8)), np.diag([10.0, 10.0, 10.0, 1.0]))
+    write_image(tmp_path / "t1.nii", image)
+    fields = {"displacement_mm": np.full((body.n_points, 3), 1.0)}
+    for status, code in {"ok": 0, "repaired": 0, "": 0, "too few points": 3}.items():
+        notes = {"status": (status,) if status else (), "reasons": ()}
+        write_prediction(tmp_path / "u.vtu", body, fields, notes=notes)
+        words = (tmp_path / "t1.nii", tmp_path / "u.vtu", "-o", tmp_path / "w.nii")
+        run("warp", *words, code=code)
+        assert ("not ok" in capsys.readouterr().err) == (code == 3)
 
 
 @pytest.mark.parametrize("scale", [1e-3, 0.1])

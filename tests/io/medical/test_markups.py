@@ -244,3 +244,18 @@ def test_the_landmarks_of_a_patient() -> None:
     assert len(pairs.source) == 13
     shift = np.linalg.norm(pairs.target - pairs.source, axis=1).mean()
     assert shift == pytest.approx(5.80, abs=0.005)
+
+
+@pytest.mark.parametrize("number", ["nan", "inf"])
+def test_points_that_are_not_finite_are_named(tmp_path: Path, number: str) -> None:
+    """A craniotomy at nan was an error of ours."""
+    (tmp_path / "p.csv").write_text(f"1,2,3\n4,{number},6\n")
+    with pytest.raises(InputError, match=r"p\.csv: points must be finite \(point '"):
+        read_points(tmp_path / "p.csv")
+
+
+@pytest.mark.parametrize("text", ["", "x,y,z\n", "x,y,z,x2,y2,z2\n"])
+def test_pairs_of_an_empty_file_are_no_pairs(tmp_path: Path, text: str) -> None:
+    (tmp_path / "p.csv").write_text(text)
+    with pytest.raises(InputError, match="holds no points"):
+        read_point_pairs(tmp_path / "p.csv")

@@ -80,7 +80,7 @@ def test_units_change_the_moduli_alone(curves: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"out": "a.txt"}, r"is written as \.toml \(got '\.txt'\)"),
+        ({"out": "a.txt"}, r"is written as \.toml \(got 'a\.txt'\)"),
         ({"chart": "a.pdf"}, r"is written as \.png"),
         ({"chart": "nowhere/a.png"}, "the folder .*nowhere is not there"),
         ({"poissons_ratio": 0.5}, r"must be in \[0, 0\.5\)"),

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from physgnn import choices, stages
-from physgnn.cli.console import say, working
+from physgnn.cli.console import conclude_stored, say, working
 from physgnn.cli.options import AffineOption, OutFile, SeriesOption
 
 
@@ -61,7 +61,10 @@ def warp(
     affine: AffineOption = None,
     series: SeriesOption = None,
 ) -> None:
-    """Deform an image, or what was planned on it, as a prediction says."""
+    """Deform an image, or what was planned on it, as a prediction says.
+
+    The exit code is 3 if the displacement is not ok.
+    """
     from physgnn.stages.patient.images.warping import result_name
 
     with working("warping"):
@@ -80,3 +83,4 @@ def warp(
             log=say,
         )
     print(result_name(out, image))
+    conclude_stored(prediction)

@@ -59,6 +59,8 @@ def adapt(
         if made.coverage is None
         else f"error bounds that hold for {100 * made.coverage:.0f} % of new patients"
     )
+    for reason in made.unlike:
+        say(f"no error bounds, since this body is unlike those trained on: {reason}")
     print(f"{out}: {made.n_points} points, {made.seconds:.1f} s, {bound}")
 
 

@@ -161,5 +161,5 @@ def _summary(found: "Registration") -> str:
         f"{error}misfit {found.misfit_mm:.2f} mm, of points held out "
         f"{found.held_out_mm:.2f} mm{left}; rigid offset {offset.length_mm:.1f} mm, "
         f"{offset.turn_deg:.1f} degrees, {done}; {found.prediction.seconds:.1f} s; "
-        f"{status}: {status.remedy}"
+        f"{status}: {status.remedy_for('register')}"
     )

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from physgnn import stages
-from physgnn.cli.console import say, working
+from physgnn.cli.console import conclude_stored, say, working
 from physgnn.cli.options import AffineOption, OutFile, SeriesOption
 
 
@@ -38,7 +38,10 @@ def uncertainty(
     affine: AffineOption = None,
     series: SeriesOption = None,
 ) -> None:
-    """Write the standard deviation of a displacement as an image."""
+    """Write the standard deviation of a displacement as an image.
+
+    The exit code is 3 if the displacement is not ok.
+    """
     from physgnn.io.medical.images.formats import named_like
 
     with working("drawing the uncertainty"):
@@ -56,3 +59,4 @@ def uncertainty(
     for path in (out, wrong):
         if path is not None:
             print(named_like(path, image))
+    conclude_stored(prediction)

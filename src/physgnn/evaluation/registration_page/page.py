@@ -1,6 +1,5 @@
 """One HTML file about a registration: no network, no other files."""
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from physgnn.evaluation.report.page import Parts, environment
 from physgnn.evaluation.report.plots.panels import Picture
 from physgnn.evaluation.report.tables import Table
 from physgnn.io.integrity.atomic import write_whole
+from physgnn.scratch import scratch
 
 MOST_ROWS = 60
 # Dots of the table: within twice the noise of each coordinate, and beyond.
@@ -33,7 +33,7 @@ def write_registration_page(case: RegisteredCase, path: Path) -> None:
     InputError
         If mesh and image do not meet, or the file cannot be written.
     """
-    with tempfile.TemporaryDirectory(prefix="physgnn-page-") as folder:
+    with scratch("page") as folder:
         pictures = draw_registration(case, Path(folder))
         write_whole(path, registration_html(case, pictures))
 
@@ -94,9 +94,8 @@ def _sections(
 ) -> Iterator[tuple[str, Parts]]:
     """Yield the sections in their order."""
     found = case.prediction
-    status: Parts = [
-        ("aside", f"{str(found.status).capitalize()}: {found.status.remedy}.")
-    ]
+    remedy = found.status.remedy_for("register")
+    status: Parts = [("aside", f"{str(found.status).capitalize()}: {remedy}.")]
     if found.reasons:
         status.append(("lines", found.reasons))
     yield "Status", status

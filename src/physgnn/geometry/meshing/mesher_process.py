@@ -7,13 +7,14 @@ file of its folder and writes others to a second.
 
 import subprocess
 import sys
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from physgnn.scratch import scratch
 
 INPUT, OUTPUT = "surface.npz", "mesh.npz"
 Arrays = Mapping[str, NDArray[Any]]
@@ -40,7 +41,7 @@ def run_script(
     RuntimeError
         If it fails, faults or takes longer; the message is its last line.
     """
-    with tempfile.TemporaryDirectory(prefix="physgnn-mesher-") as folder:
+    with scratch("mesher") as folder:
         np.savez(Path(folder) / INPUT, **dict[str, Any](arrays))
         try:
             done = subprocess.run(

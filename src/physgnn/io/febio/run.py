@@ -2,7 +2,6 @@
 
 import shutil
 import subprocess
-import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from physgnn.io.febio.model_writer import log_of, write_febio
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.scratch import scratch
 
 COMMAND = "febio4"
 INVERTED = "negative jacobian"
@@ -47,7 +47,7 @@ class FebioSolver:
             If FEBio ends without any result; with the last line it printed.
         """
         started = time.perf_counter()
-        with tempfile.TemporaryDirectory(prefix="physgnn-febio-") as folder:
+        with scratch("febio") as folder:
             file = Path(folder) / "model.feb"
             write_febio(file, self._body, path)
             printed = self._run(file)

@@ -17,9 +17,14 @@ from physgnn.io.integrity.strays import beside, clear_strays
 
 
 def check_folder(path: Path) -> None:
-    """Raise InputError if a file's folder is missing; ask before long work."""
+    """Raise InputError if there can be no such file; ask before long work."""
     if not path.parent.is_dir():
-        raise InputError(f"cannot write {path}: the folder {path.parent} is not there")
+        raise InputError(
+            f"cannot write {path}: the folder {path.parent} is not there: make it, or "
+            "name another"
+        )
+    if path.exists() and not path.is_file():
+        raise InputError(f"cannot write {path}: it is no file: name a file")
 
 
 @contextmanager

@@ -4,18 +4,14 @@ The name tells the process that writes, and its machine: of what is found, only 
 process of this machine left that is no longer alive is a stray, and removed.
 """
 
-import hashlib
 import os
-import platform
 import re
 import shutil
 import time
 from pathlib import Path
 
-import psutil
+from physgnn.scratch import MACHINE, is_alive
 
-# Many machines may write to one shared folder, and their process ids coincide.
-MACHINE = hashlib.sha256(platform.node().encode()).hexdigest()[:8]
 NAME = re.compile(r"\.(?P<process>\d+)(?:@(?P<machine>[0-9a-f]+))?\.(?P<name>.+)")
 """Without a machine: as earlier versions wrote, which told the process alone."""
 
@@ -42,7 +38,7 @@ def clear_strays(folder: Path, name: str | None = None) -> None:
         if stray is None or name not in (None, stray["name"]):
             continue
         here = stray["machine"] in (None, MACHINE)
-        if here and not _is_alive(int(stray["process"])):
+        if here and not is_alive(int(stray["process"])):
             _remove(found)
 
 
@@ -55,13 +51,6 @@ def clear_partial_chunks(store: Path) -> None:
             continue
         if age > PARTIAL_SECONDS:
             _remove(found)
-
-
-def _is_alive(process: int) -> bool:
-    try:
-        return bool(psutil.pid_exists(process))
-    except OverflowError:
-        return False
 
 
 def _remove(found: Path) -> None:

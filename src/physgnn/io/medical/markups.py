@@ -66,6 +66,8 @@ def read_point_pairs(
     path = Path(path)
     with reading(path, WHAT):
         lists = _lists(path)
+        if not any(lists):
+            raise InputError("holds no points: export them again")
         if target is not None:
             _check_one_end(path, lists)
             others = _lists(Path(target))
@@ -75,7 +77,7 @@ def read_point_pairs(
             one, _ = BOTH_ENDS.get(path.suffix.lower(), (f"has {len(lists)}", ""))
             raise InputError(
                 f"needs two lists of points, source and target ({one}): give the file "
-                "of the targets too, as --target"
+                "of the targets too (--target, of landmarks --landmarks-target)"
             )
         source, moved, names, lines = paired(*lists)
         for line in lines:
@@ -108,8 +110,14 @@ def read_points(path: str | Path, *, log: Log = no_log) -> FloatArray:
         for point in lists[0]:
             if point.missing:
                 log(f"{path.name}: point '{point.label}' left out: {point.missing}")
-        there = [point.position for point in lists[0] if not point.missing]
-        return np.array(there, dtype=np.float64).reshape(-1, 3)
+        there = [point for point in lists[0] if not point.missing]
+        found = np.array([one.position for one in there], np.float64).reshape(-1, 3)
+        for k in np.flatnonzero(~np.isfinite(found).all(axis=1)):
+            raise InputError(
+                f"points must be finite (point '{there[k].label}' is "
+                f"{found[k].tolist()}): correct it, or leave it out"
+            )
+        return found
 
 
 def _lists(path: Path) -> list[list[MarkedPoint]]:

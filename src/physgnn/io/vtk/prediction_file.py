@@ -1,6 +1,7 @@
 """A predicted displacement read back, and the deformed body written."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from physgnn.geometry.boundary import boundary_faces, region_faces
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.numbers import real_numbers
+from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.vtu import RAS, SPACE, add_notes, read_mesh
 from physgnn.io.vtk.writer import write_vtk
@@ -21,6 +23,9 @@ from physgnn.progress import Log, no_log
 DISPLACEMENT = "displacement_mm"
 STATE, DEFORMED = "state", "deformed"
 STATUS, REASONS = "status", "reasons"  # field data: what a displacement is called, why
+USABLE = ("ok", "repaired", "solved")
+"""Statuses that do not speak against a displacement: see
+`physgnn.prediction.PredictionStatus.usable`."""
 
 
 def read_displacement(
@@ -55,12 +60,55 @@ def read_displacement(
             f"{path}: needs a point array '{DISPLACEMENT}' of three components (it "
             f"has: {have}); make it with 'physgnn predict'"
         )
-    if REASONS in grid.field_data and STATUS in grid.field_data:
-        status = " ".join(map(str, grid.field_data[STATUS]))
-        reasons = "; ".join(map(str, grid.field_data[REASONS]))
-        log(f"warning: {path} holds a displacement that is not ok: {status}: {reasons}")
+    stored = _stored_status(grid)
+    if not stored.usable:
+        log(f"warning: {path} holds a displacement that is not ok: {stored}")
     with reading(path, "a displacement"):
         return mesh, real_numbers(arrays[DISPLACEMENT], DISPLACEMENT)
+
+
+@dataclass(frozen=True)
+class StoredStatus:
+    """What a displacement was called when it was written.
+
+    Attributes
+    ----------
+    status : str
+        As `physgnn.prediction.PredictionStatus` says it; empty if the file does not
+        tell, as one of another program.
+    reasons : tuple of str
+        Why it is not ok.
+    """
+
+    status: str = ""
+    reasons: tuple[str, ...] = ()
+
+    @property
+    def usable(self) -> bool:
+        """Whether nothing speaks against it."""
+        return self.status in ("", *USABLE)
+
+    def __str__(self) -> str:
+        return ": ".join(filter(None, [self.status, "; ".join(self.reasons)]))
+
+
+def read_status(path: str | Path) -> StoredStatus:
+    """Return what a file says of the displacement in it.
+
+    Raises
+    ------
+    InputError
+        If it is no VTK file.
+    """
+    return _stored_status(read_vtk(Path(path)))
+
+
+def _stored_status(data: VtkData) -> StoredStatus:
+    fields = data.field_data
+    if STATUS not in fields:
+        return StoredStatus()
+    status = " ".join(map(str, fields[STATUS]))
+    return StoredStatus(status, tuple(map(str, fields.get(REASONS, ()))))
 
 
 def write_deformed(

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
+from physgnn import scratch
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.elements.tangent import Pattern
 from physgnn.mechanics.linear.direct_solver import (
@@ -29,7 +30,6 @@ FACTORS = ".factors"  # suffix of a folder of factors, beside mesh or store
 MAX_BYTES = 8 * 2**30
 CHECKSUM = "sha256"
 MOST_RESIDUAL = 1e-6  # of the right-hand side; double precision leaves 1e-9 or less
-PART, PART_SECONDS = "part-*", 3600.0  # what a killed process left is removed then
 
 
 def factorize_cached(
@@ -84,10 +84,8 @@ def factorize_cached(
 def _store(solver: PardisoSolver, stored: Path) -> None:
     folder = stored.parent
     folder.mkdir(parents=True, exist_ok=True)
-    for left in folder.glob(PART):
-        if time.time() - left.stat().st_mtime > PART_SECONDS:
-            shutil.rmtree(left, ignore_errors=True)
-    part = Path(tempfile.mkdtemp(prefix="part-", dir=folder))
+    scratch.clear(folder)
+    part = Path(tempfile.mkdtemp(prefix=scratch.prefix("factor"), dir=folder))
     try:
         solver.store(part)
         (part / CHECKSUM).write_text(_checksum(part))

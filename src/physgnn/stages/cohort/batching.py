@@ -9,8 +9,10 @@ from physgnn.io.integrity.atomic import write_whole
 from physgnn.progress import Log, Progress, no_log
 from physgnn.stages.cohort.patient_table import RESULTS, read_patients
 from physgnn.stages.cohort.running import PatientResult, run_patient
+from physgnn.stages.outputs import FOLDER, writes
 
 
+@writes(out=FOLDER)
 def batch(
     patients: str | Path,
     out: str | Path,

@@ -12,10 +12,11 @@ from typing import Literal
 from physgnn import stages
 from physgnn.errors import InputError
 from physgnn.io.integrity.atomic import write_whole
+from physgnn.io.vtk.prediction_file import StoredStatus, read_status
 from physgnn.stages.cohort.patient_table import Patient
 from physgnn.stages.cohort.planning import Call, StepError, plan
 from physgnn.stages.cohort.record import PatientRecord
-from physgnn.stages.cohort.step_table import NOT_OK, REASONS, Figures
+from physgnn.stages.cohort.step_table import NOT_OK, REASONS, STATUS, Figures
 
 LOG = "log.txt"
 Outcome = Literal["ok", "not ok", "failed"]
@@ -110,9 +111,18 @@ def _done(call: Call, record: PatientRecord, lines: list[str]) -> Figures:
     shown = inspect.signature(function).parameters
     callbacks = {"log": lines.append} if "log" in shown else {}
     made = function(**call.arguments, **call.written, **callbacks)
-    figures = call.step.figures(made)
+    figures = {**_of_given(call), **call.step.figures(made)}
     record.end(call, figures)
     return figures
+
+
+def _of_given(call: Call) -> Figures:
+    """Say of a displacement that a step was given that it is not ok."""
+    given = call.arguments.get("prediction")
+    stored = StoredStatus() if given is None else read_status(given)
+    if stored.usable:
+        return {}
+    return {STATUS: stored.status, REASONS: "; ".join(stored.reasons), NOT_OK: True}
 
 
 def _failed(

@@ -14,8 +14,15 @@ from physgnn.dataset.exchange.exporting import (
 from physgnn.errors import InputError
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.progress import Progress
+from physgnn.stages.outputs import FOLDER, Output, writes
 
 
+@writes(
+    febio=Output((".feb",)),
+    arrays=Output((".npz",)),
+    series=FOLDER,
+    onnx=Output((".onnx",), inside=("source",)),
+)
 def export(
     source: str | Path,
     *,
@@ -77,6 +84,7 @@ def export(
     return Path(series)
 
 
+@writes(out=FOLDER)
 def import_results(
     sources: Sequence[str | Path],
     out: str | Path,

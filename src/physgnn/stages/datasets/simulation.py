@@ -16,9 +16,11 @@ from physgnn.mechanics.body import Body
 from physgnn.progress import Progress
 from physgnn.stages.datasets.chosen_loads import chosen_preset
 from physgnn.stages.datasets.provenance import command_line
+from physgnn.stages.outputs import FOLDER, writes
 from physgnn.versions import release
 
 
+@writes(out=FOLDER)
 def simulate(
     case: str | Path,
     out: str | Path,

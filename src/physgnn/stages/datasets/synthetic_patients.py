@@ -6,10 +6,12 @@ from physgnn.errors import InputError
 from physgnn.geometry.synthetic.anatomies import build_anatomy, draw_anatomy
 from physgnn.io import write_mesh
 from physgnn.progress import Progress
+from physgnn.stages.outputs import FOLDER, writes
 
 MOST_SPARE = 10  # draws that may fail to mesh, before something else must be wrong
 
 
+@writes(out=FOLDER)
 def anatomies(
     out: str | Path,
     *,

@@ -18,6 +18,7 @@ from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.training_run import train
 from physgnn.progress import Progress
 from physgnn.stages.experiments.pipeline import can_resume
+from physgnn.stages.outputs import FOLDER, writes
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.report.plots.ablation_chart import Point
@@ -73,6 +74,7 @@ class Ablation:
         )
 
 
+@writes(out=FOLDER)
 def ablate(
     out: str | Path,
     *,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from physgnn.errors import InputError
 from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.experiments.benchmark_data import NotAtHandError, task_data
+from physgnn.stages.outputs import Output, writes
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.benchmark.job import MethodOnTask, TaskData
@@ -46,6 +47,7 @@ class BenchmarkOutcome:
         return "\n".join([*lines, *([str(self.page)] if self.page else [])])
 
 
+@writes(out=Output(is_folder=True, inside=("data", "report")))
 def benchmark(
     out: str | Path,
     *,

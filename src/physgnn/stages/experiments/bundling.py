@@ -10,6 +10,7 @@ from physgnn.stages.experiments.family_bundling import bundle_family
 from physgnn.stages.experiments.packaged_run import check_size, slim_copy
 from physgnn.stages.experiments.pipeline import Pipeline
 from physgnn.stages.experiments.recipe import RUN
+from physgnn.stages.outputs import FOLDER, writes
 
 BUNDLED = replace(
     DEMO,
@@ -21,6 +22,7 @@ BUNDLED = replace(
 )
 
 
+@writes(folder=FOLDER, out=FOLDER)
 def bundle(
     folder: str | Path,
     out: str | Path | None = None,

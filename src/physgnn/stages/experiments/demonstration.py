@@ -10,6 +10,7 @@ from physgnn.io.integrity.atomic import whole_file
 from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.experiments.pipeline import Pipeline
 from physgnn.stages.experiments.recipe import RUN, SPLIT, Recipe
+from physgnn.stages.outputs import FOLDER, writes
 from physgnn.stages.patient.intraoperative.prediction import predict
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ DEMO = Recipe(
 PREDICTION = "prediction.vtu"
 
 
+@writes(folder=FOLDER)
 def demo(
     folder: str | Path = "demo", *, show: Show = no_show, log: Log = no_log
 ) -> str:

@@ -11,6 +11,7 @@ from physgnn.io.integrity.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.progress import Log, Show, no_log, no_show
 from physgnn.stages.experiments.pipeline import Pipeline
+from physgnn.stages.outputs import FOLDER, writes
 from physgnn.stages.patient.preoperative.meshing import named_surfaces
 
 if TYPE_CHECKING:
@@ -96,6 +97,7 @@ class Reproduction:
         )
 
 
+@writes(out=FOLDER)
 def reproduce(
     out: str | Path,
     *,

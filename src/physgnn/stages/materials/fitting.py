@@ -7,7 +7,7 @@ from pathlib import Path
 from physgnn.config.materials import material_table
 from physgnn.errors import InputError
 from physgnn.evaluation.report.plots.stress_chart import draw_stress, errors_in_words
-from physgnn.io.integrity.atomic import check_folder, write_whole
+from physgnn.io.integrity.atomic import write_whole
 from physgnn.io.stress_curves import read_stress_curves
 from physgnn.mechanics.materials import Material
 from physgnn.mechanics.materials.fitted_laws import (
@@ -16,6 +16,7 @@ from physgnn.mechanics.materials.fitted_laws import (
     constant_bulk_modulus,
 )
 from physgnn.mechanics.materials.fitting import fit_law
+from physgnn.stages.outputs import Output, writes
 
 POISSONS_RATIO = 0.49  # of brain and tumour as published: Salehi & Giannacopoulos 2022
 
@@ -41,6 +42,7 @@ class FittedMaterial:
     table: str
 
 
+@writes(out=Output((".toml",)), chart=Output((".png",)))
 def fit_material(
     curves: str | Path,
     *,
@@ -86,8 +88,6 @@ def fit_material(
     InputError
         If the curves or an option cannot be used. No file is written then.
     """
-    for path, suffix in ((out, ".toml"), (chart, ".png")):
-        _check_target(path, suffix)
     bulk = _bulk_modulus(poissons_ratio, bulk_modulus_pa)
     measured = read_stress_curves(curves, unit=unit)
     fit = fit_law(measured, law, bulk=bulk, terms=terms)
@@ -104,14 +104,6 @@ def fit_material(
     if out is not None:
         write_whole(Path(out), table)
     return FittedMaterial(fit.material, fit.errors, fit.notes, table)
-
-
-def _check_target(path: str | Path | None, suffix: str) -> None:
-    if path is None:
-        return
-    if Path(path).suffix != suffix:
-        raise InputError(f"{path}: is written as {suffix} (got '{Path(path).suffix}')")
-    check_folder(Path(path))
 
 
 def _bulk_modulus(

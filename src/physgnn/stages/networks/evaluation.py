@@ -8,11 +8,13 @@ from physgnn.errors import InputError
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.progress import Progress
 from physgnn.stages.datasets.provenance import command_line
+from physgnn.stages.outputs import Output, writes
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.measure.result import Report
 
 
+@writes(out=Output(is_folder=True, inside=("runs",)))
 def evaluate(
     runs: str | Path | Sequence[str | Path],
     *,

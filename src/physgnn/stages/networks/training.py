@@ -10,12 +10,14 @@ from physgnn.dataset import Split, Store, named_split
 from physgnn.dataset.splits.meshes import split_meshes
 from physgnn.errors import InputError
 from physgnn.progress import Progress
+from physgnn.stages.outputs import Output, writes
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.learning.runs.checkpoint import Checkpoint
     from physgnn.learning.training.config import TrainingConfig
 
 
+@writes(out=Output(is_folder=True, inside=("start",)))
 def train(
     store: str | Path | Sequence[str | Path],
     out: str | Path,

@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 
 import physgnn
-from physgnn.errors import InputError
 from physgnn.io.integrity.atomic import whole_file, write_whole
+from physgnn.stages.outputs import FOLDER, writes
 from physgnn.stages.slicer_modules.description import xml_of
 from physgnn.stages.slicer_modules.module_table import modules
 
@@ -17,6 +17,7 @@ OF_SLICER = ("PYTHONHOME", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")
 EXECUTABLE = 0o755
 
 
+@writes(out=FOLDER)
 def slicer(out: str | Path) -> list[Path]:
     """Write the modules for 3D Slicer: segment, mesh, register, warp, predict.
 
@@ -40,12 +41,7 @@ def slicer(out: str | Path) -> list[Path]:
         If the folder cannot be written to.
     """
     folder = Path(out)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"cannot write to {folder}: {error.strerror or error}: name another folder"
-        ) from error
+    folder.mkdir(parents=True, exist_ok=True)
     made = []
     for module in modules():
         write_whole(folder / f"{module.name}.xml", xml_of(module))

@@ -1,5 +1,6 @@
 """From a family of patients to one never seen, through the commands' functions."""
 
+import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -25,6 +26,7 @@ from physgnn.prediction import PredictionStatus, Predictor
 from physgnn.prediction.error_bounds.calibration import Calibration
 from physgnn.stages.datasets.simulation import simulate_mesh
 from physgnn.stages.networks.training import train_run
+from physgnn.stages.patient.intraoperative.prediction import predict
 from physgnn.stages.patient.preoperative.adaptation import adapt, adapt_run, family_run
 
 PRESET = Preset(
@@ -116,6 +118,26 @@ def test_a_network_of_one_patient_has_no_bounds_for_another(
     assert not RunFolder(tmp_path / "new").calibration.exists()
 
 
+def test_a_cube_adapted_from_brains_is_not_called_ok(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a family's bounds, which hold for patients, a cube in range was ok."""
+    monkeypatch.chdir(tmp_path)
+    cube = block_mesh(4, side=120.0)
+    write_mesh("cube.vtu", cube)
+    Path("loads.toml").write_text(LOADS.replace("0.04", "2.0"))
+    made = adapt(None, "cube.vtu", "run", loads="loads.toml")
+    assert made.coverage is None
+    assert "its overlap with an ellipsoid is 0.8" in made.unlike[0]
+    loaded = cube.points[cube.point_set("loaded")]
+    force = np.tile([0.0, 0.0, -2.0 / len(loaded)], (len(loaded), 1))
+    load = {"points": loaded.tolist(), "forces_n": force.tolist()}
+    Path("load.json").write_text(json.dumps(load))
+    found = predict("run", "load.json", "quick.vtu", estimate="quick")
+    assert found.status == PredictionStatus.NO_ERROR_ESTIMATE
+    assert found.error_estimate_mm is None
+
+
 @pytest.mark.parametrize("name", [None, "bundled-family"])
 def test_the_bundled_family_serves_a_patient_on_day_one(
     name: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -124,7 +146,7 @@ def test_the_bundled_family_serves_a_patient_on_day_one(
     write_mesh(tmp_path / "case.vtu", patient(1.5, n=4))
     (tmp_path / "loads.toml").write_text(LOADS)
     made = adapt(name, "case.vtu", "run", loads="loads.toml")
-    assert made.coverage is not None
+    assert made.coverage is None and len(made.unlike) == 2  # a box of one millilitre
     predictor = Predictor.load("run")
     preset = read_preset("loads.toml")
     store, _ = simulate_mesh(predictor.body.mesh, preset, tmp_path / "truth.zarr")

@@ -1,6 +1,7 @@
 """A case file that `simulate` and `adapt` run as it is."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -85,13 +86,37 @@ def test_what_cannot_be_a_craniotomy_is_refused(case: Path) -> None:
     with pytest.raises(InputError, match="radius_mm"):
         init(case, out, radius_mm=1.0)
     with pytest.raises(InputError, match=r"\.toml"):
-        init(case, folder / "case.vtu")
+        init(case, folder / "other.vtu")
     body = block_mesh(3, side=80.0)
     whole = TetMesh(body.points, body.cells, np.zeros(body.n_cells, np.int32))
     write_mesh(folder / "plain.vtu", whole)
     with pytest.raises(InputError, match="no tumour"):
         init(folder / "plain.vtu", out)
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("place", "message"),
+    [
+        ((0.1405, 0.1395, 0.18), "looks like metres, so multiply it by 1000"),
+        ((14.05, 13.95, 18.0), "looks like centimetres, so multiply it by 10"),
+        ((140.0, 140.0, 142.0), "inside the brain, 38 mm from the surface"),
+    ],
+)
+def test_a_point_in_other_units_or_deep_inside_is_no_craniotomy(
+    tmp_path: Path, place: tuple[float, float, float], message: str
+) -> None:
+    """In metres it lay beside the origin, near which a cortex may pass."""
+    cube = block_mesh(4, side=80.0)
+    write_mesh(tmp_path / "case.vtu", replace(cube, points=cube.points + 100.0))
+    (tmp_path / "point.csv").write_text("{},{},{}\n".format(*place))
+    with pytest.raises(InputError, match=message):
+        init(
+            tmp_path / "case.vtu",
+            tmp_path / "case.toml",
+            craniotomy=tmp_path / "point.csv",
+        )
+    assert not (tmp_path / "case.toml").exists()
 
 
 def _read(case: Path) -> TetMesh:

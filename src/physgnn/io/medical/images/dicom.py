@@ -16,7 +16,7 @@ from physgnn.io.medical.images.voxels import ReadOptions, Voxels
 
 # Positions are decimals of at most 16 characters; scanners round to 1e-3 mm or worse.
 UNEVEN, TILT_MM, TURN = 0.02, 0.05, 1e-4
-SHOWN_UID = "--series UID (series=…) or a path FOLDER/UID"
+SHOWN_UID = "a path FOLDER/UID, or where a command has it by --series UID (series=…)"
 
 Series = dict[str, Any]
 

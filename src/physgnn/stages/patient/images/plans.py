@@ -8,7 +8,6 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.imaging.point_displacement import PointDisplacement, displacement_at
 from physgnn.imaging.reversal import reverse
 from physgnn.imaging.scattered_fields import interpolated
-from physgnn.io.integrity.atomic import check_folder
 from physgnn.io.plans.formats import plan_named_like, read_plan, write_plan
 from physgnn.io.plans.plan import Plan
 from physgnn.io.vtk.error_fields import DEVIATION, read_error_fields
@@ -50,7 +49,6 @@ def warp_plan(
         If a file cannot be used, or plan and mesh do not meet.
     """
     out = plan_named_like(out, path)
-    check_folder(out)
     plan = read_plan(path)
     mesh, u = read_displacement(prediction, log=log)
     if back:

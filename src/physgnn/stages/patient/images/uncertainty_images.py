@@ -9,10 +9,10 @@ from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
 from physgnn.imaging.voxel_fields import rasterize
-from physgnn.io.integrity.atomic import check_folder
 from physgnn.io.medical.images.formats import named_like, read_image, write_image
 from physgnn.io.vtk.error_fields import read_error_fields
 from physgnn.progress import Log, no_log
+from physgnn.stages.outputs import Output, writes
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +37,7 @@ class UncertaintyImages:
     wrong_mm: float
 
 
+@writes(out=Output(like="image"), wrong=Output(like="image"))
 def uncertainty(
     prediction: str | Path,
     image: str | Path,
@@ -91,10 +92,6 @@ def uncertainty(
     from physgnn.prediction.wrong_position import isotropic, probability_beyond
 
     paths = [named_like(path, image) for path in (out, wrong) if path is not None]
-    for path in paths:
-        check_folder(path)
-    if len(set(paths)) < len(paths):
-        raise InputError(f"{paths[0]}: give the probability a name of its own")
     found = read_error_fields(prediction, log=log)
     covariance = found.covariance_mm2
     if covariance is None:

@@ -17,7 +17,7 @@ from physgnn.imaging import (
 from physgnn.imaging import warp as warped
 from physgnn.imaging.reversal import reverse
 from physgnn.imaging.slices import middle_of_shift
-from physgnn.io.integrity.atomic import check_folder, whole_file
+from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.medical.images.formats import (
     named_like,
     read_image,
@@ -30,12 +30,19 @@ from physgnn.io.plans.plan import Plan
 from physgnn.io.surfaces.formats import SURFACE_READERS
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.progress import Log, no_log
+from physgnn.stages.outputs import Output, writes
 from physgnn.stages.patient.images.plans import warp_plan
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@writes(
+    out=Output(like="image"),
+    field=Output((".h5", ".nii.gz", ".nii")),
+    jacobian=Output(like="image"),
+    slices=Output((".png",)),
+)
 def warp(
     image: str | Path,
     prediction: str | Path,
@@ -112,11 +119,6 @@ def warp(
         return warp_plan(image, prediction, out, back=back, log=log)
     out = named_like(out, image)
     jacobian = None if jacobian is None else named_like(jacobian, image)
-    for path in (out, jacobian, slices, *field):
-        if path is not None:
-            check_folder(Path(path))
-    if slices is not None:
-        _check_picture(Path(slices))
     mesh, u = read_displacement(prediction, log=log)
     if back:
         mesh, u = reverse(mesh, u)
@@ -164,11 +166,6 @@ def _refuse(plan: str | Path, options: Sequence[str]) -> None:
             f"{plan}: {', '.join(f'--{name}' for name in options)} is for images (this "
             f"is a plan, {plan_suffix(plan)}): leave it out"
         )
-
-
-def _check_picture(path: Path) -> None:
-    if path.suffix != ".png":
-        raise InputError(f"{path}: slices are written as .png")
 
 
 def _save_figure(path: str | Path, figure: "Figure") -> None:

@@ -5,11 +5,13 @@ from typing import TYPE_CHECKING
 
 from physgnn.bundled import BUNDLED_RUN
 from physgnn.progress import Log, no_log
+from physgnn.stages.outputs import Output, writes
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.prediction.prediction import Prediction
 
 
+@writes(out=Output(inside=("run",)))
 def predict(
     run: str | Path | None,
     load: str | Path,

@@ -8,13 +8,13 @@ from physgnn.config import read_materials
 from physgnn.geometry.regions import REGIONS
 from physgnn.io import read_mesh
 from physgnn.io.displacement_files import DisplacementFields, form_of
-from physgnn.io.integrity.atomic import check_folder
 from physgnn.io.medical.images.formats import read_image
 from physgnn.io.vtk.error_fields import COVARIANCE, DEVIATION, packed
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
 from physgnn.progress import Log, no_log
+from physgnn.stages.outputs import FILE, FOLDER, Output, writes
 from physgnn.stages.patient.intraoperative.measured_files import read_measured
 from physgnn.stages.patient.intraoperative.registration_report import (
     page_in,
@@ -30,6 +30,7 @@ DEFAULT_MATERIALS: Mapping[int, Material] = {
 }
 
 
+@writes(out=FILE, misfits=Output((".csv",)), report=FOLDER)
 def register(
     mesh: str | Path,
     out: str | Path,
@@ -120,8 +121,6 @@ def register(
     from physgnn.registration.registrar import Registrar
 
     write = form_of(out, form).write
-    if misfits is not None:
-        check_folder(Path(misfits))
     page = None if report is None else page_in(report)
     scan = None if image is None else read_image(image, affine=affine, log=log)
     measured = read_measured(

@@ -6,11 +6,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from physgnn.errors import InputError
 from physgnn.geometry.image import Image
 from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.io.integrity.atomic import check_folder
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.registration_page.case import RegisteredCase
@@ -20,12 +18,8 @@ PAGE = "report.html"
 
 
 def page_in(folder: str | Path) -> Path:
-    """Return the page's file; InputError if its folder cannot be made."""
-    folder = Path(folder)
-    check_folder(folder)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file: name a folder for the report")
-    return folder / PAGE
+    """Return the page's file."""
+    return Path(folder) / PAGE
 
 
 def registered_case(
@@ -69,5 +63,5 @@ def write_page(path: Path, case: "RegisteredCase") -> None:
     """Write the page into its folder, which is made if it is missing."""
     from physgnn.evaluation.registration_page.page import write_registration_page
 
-    path.parent.mkdir(exist_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
     write_registration_page(case, path)

@@ -6,11 +6,13 @@ from pathlib import Path
 
 from physgnn.errors import InputError
 from physgnn.progress import Log
+from physgnn.stages.outputs import FOLDER, writes
 from physgnn.stages.patient.intraoperative.case_desk import CaseDesk
 
 DEFAULT_PORT = 8750
 
 
+@writes(save=FOLDER)
 def view(
     path: str | Path | None = None,
     *,

@@ -12,6 +12,7 @@ from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
 from physgnn.io import read_mesh
 from physgnn.stages.datasets.chosen_loads import chosen_preset
+from physgnn.stages.outputs import Output, writes
 
 
 @dataclass(frozen=True)
@@ -26,13 +27,17 @@ class Adapted:
         Time that finding the equilibria to expand about and writing the run took, s.
     coverage : float or None
         What the error bounds promise; None if the run has none for new patients.
+    unlike : tuple of str
+        Why the body is none of those that bounds of a family hold for: it gets none.
     """
 
     n_points: int
     seconds: float
     coverage: float | None
+    unlike: tuple[str, ...] = ()
 
 
+@writes(out=Output(is_folder=True, inside=("run",)))
 def adapt(
     run: str | Path | None,
     case: str | Path,
@@ -108,6 +113,7 @@ def adapt_run(
     from physgnn.learning.runs.folder import RunFolder
     from physgnn.mechanics.body import Body
     from physgnn.prediction.error_bounds.calibration import Calibration
+    from physgnn.prediction.error_bounds.likeness import reasons_unlike
     from physgnn.prediction.error_bounds.run_calibration import on_new_loads
     from physgnn.prediction.error_bounds.trained_range import TrainedRange
 
@@ -124,9 +130,10 @@ def adapt_run(
     forces = np.stack([case.on_points(mesh.n_points) for case in cases])
     adapted(trained, body, forces).save(out)
     coverage, loads = None, TrainedRange.from_cases(cases)
+    unlike = reasons_unlike(mesh, trained.model.body.mesh) if is_family else ()
     for file in RunFolder(run).calibrations:
-        if is_family and file.is_file():
+        if is_family and not unlike and file.is_file():
             calibration = on_new_loads(Calibration.read(file), loads)
             calibration.write(out / file.name)
             coverage = calibration.coverage
-    return Adapted(mesh.n_points, time.perf_counter() - start, coverage)
+    return Adapted(mesh.n_points, time.perf_counter() - start, coverage, unlike)

@@ -11,20 +11,26 @@ from physgnn.config import read_preset
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh, boundary_surface, contains, vertex_normals
 from physgnn.geometry.normals import area_vectors
+from physgnn.geometry.plausibility import UNITS
 from physgnn.geometry.point_sets import HalfSpace, Nearest, select
 from physgnn.geometry.regions import REGIONS, TUMOUR
 from physgnn.geometry.surface import Surface
 from physgnn.io import read_mesh
-from physgnn.io.integrity.atomic import check_folder, write_whole
+from physgnn.io.integrity.atomic import write_whole
 from physgnn.io.medical.markups import read_points
 from physgnn.mechanics.materials import TISSUES
 from physgnn.progress import Log, no_log
+from physgnn.stages.outputs import Output, writes
 
 # The skull holds this part of the surface, as in the middle of the synthetic patients.
 HELD = 0.6
 FEWEST_LOADED = 10
 # A point on the scalp or in the bone flap is this near to the cortex, mm.
 LARGEST_DISTANCE = 40.0
+# Inside, a mesh whose folds are smoothed away leaves this much, mm.
+DEEPEST = 15.0
+# A point in another unit lies near to where all coordinates are 0; in its own, here.
+ON_CORTEX, SMALLEST_COORDINATE = 10.0, 1.0
 # As strong as the loads of the published second set: see PRESETS.
 TRACTION_PA = 2200.0
 RADIUS_MM = (5.0, 100.0)
@@ -52,6 +58,7 @@ class Craniotomy:
     area_mm2: float
 
 
+@writes(out=Output((".toml",)))
 def init(
     case: str | Path,
     out: str | Path,
@@ -87,9 +94,6 @@ def init(
         If the mesh has no tumour and no point is given, the point is not at the head,
         or a file cannot be used.
     """
-    check_folder(Path(out))
-    if Path(out).suffix != ".toml":
-        raise InputError(f"the file to write must end in .toml (got {out})")
     if not RADIUS_MM[0] <= radius_mm <= RADIUS_MM[1]:
         raise InputError(f"radius_mm must be in 5…100 (got {radius_mm})")
     mesh = read_mesh(case)
@@ -218,15 +222,18 @@ def _cortex_at(point: FloatArray, surface: Surface, name: str) -> FloatArray:
     used = surface.points[np.unique(surface.faces)]
     tree = KDTree(used)
     distance, nearest = tree.query(point)
-    if distance <= LARGEST_DISTANCE:
+    inside = contains(surface, point)
+    farthest = DEEPEST if inside else LARGEST_DISTANCE
+    unit = _unit(point, tree, float(distance))
+    if distance <= farthest and not unit:
         return np.asarray(used[nearest])
-    where = "inside the brain" if contains(surface, point) else "outside of the head"
+    where = "inside the brain" if inside else "outside of the head"
     turned, _ = tree.query(point * [-1.0, -1.0, 1.0])
-    hint = (
-        "its x and y look like LPS, so turn their signs"
-        if turned <= LARGEST_DISTANCE
-        else "place it on the scan that the mesh was made from"
-    )
+    hint = "place it on the scan that the mesh was made from"
+    if unit:
+        hint = f"it looks like {unit}, so multiply it by {UNITS[unit]:g}"
+    elif turned <= LARGEST_DISTANCE and not inside:
+        hint = "its x and y look like LPS, so turn their signs"
     x, y, z = point
     low, high = used.min(axis=0).round(0), used.max(axis=0).round(0)
     raise InputError(
@@ -234,6 +241,19 @@ def _cortex_at(point: FloatArray, surface: Surface, name: str) -> FloatArray:
         f"{z:.1f}) mm is {where}, {distance:.0f} mm from the surface, which spans "
         f"{low} to {high} mm): {hint}"
     )
+
+
+def _unit(point: FloatArray, tree: KDTree, distance: float) -> str:
+    """Return the unit in which a point lies on the cortex, if in mm it does not."""
+    if distance <= ON_CORTEX and np.abs(point).max() >= SMALLEST_COORDINATE:
+        return ""
+    for unit, mm in UNITS.items():
+        place = point * mm  # what shrinks to a point fits anywhere
+        if np.abs(place).max() >= SMALLEST_COORDINATE:
+            away, _ = tree.query(place)
+            if away <= ON_CORTEX:
+                return unit
+    return ""
 
 
 def _nearest_to_tumour(mesh: TetMesh, surface: Surface) -> FloatArray:

@@ -15,10 +15,12 @@ from physgnn.geometry.plausibility import check_millimetres, check_volume_ml
 from physgnn.geometry.segmentation.masks import SMALLEST_MM3
 from physgnn.geometry.surface import volume
 from physgnn.progress import Log, no_log
+from physgnn.stages.outputs import Output, writes
 
 MESHED_LABELS_POINTS = 10_000  # about how many points a label map's mesh has
 
 
+@writes(out=Output((".vtu",)))
 def mesh(
     out: str | Path,
     *,
@@ -102,7 +104,6 @@ def mesh(
     """
     from physgnn.config import read_point_sets
     from physgnn.io import write_mesh
-    from physgnn.io.integrity.atomic import check_folder
     from physgnn.stages.patient.preoperative.mesh_files import (
         is_mesh_file,
         mesh_of_file,
@@ -110,7 +111,6 @@ def mesh(
     from physgnn.stages.patient.preoperative.segmentation import mesh_segmentation
     from physgnn.stages.patient.preoperative.surface_meshing import mesh_surfaces
 
-    check_folder(Path(out))
     if ventricles is not None and (segmentation is None or is_mesh_file(segmentation)):
         raise InputError("--ventricles needs a label map, which gets them from the T1")
     if [mni152, brain is not None, segmentation is not None].count(True) != 1:

@@ -9,9 +9,8 @@ import numpy as np
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid, LabelVolume
-from physgnn.io.integrity.atomic import check_folder, whole_file
+from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.medical.images.formats import (
-    WRITTEN,
     named_like,
     read_image,
     read_segmentation,
@@ -21,6 +20,7 @@ from physgnn.io.medical.images.formats import (
 from physgnn.io.medical.markups import POINT_READERS, read_points
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log
+from physgnn.stages.outputs import Output, writes
 
 if TYPE_CHECKING:
     from physgnn.geometry.image import Image
@@ -29,6 +29,7 @@ LABELS = re.compile(r"\d+(\+\d+)*")
 POINTS = tuple(POINT_READERS)
 
 
+@writes(out=Output(like="scan"), picture=Output((".png",)))
 def segment(
     scan: str | Path,
     out: str | Path,
@@ -104,19 +105,8 @@ def segment(
 
 
 def _picture_path(out: Path, picture: str | Path | None) -> Path:
-    """Return where the picture goes; refuse before the work what cannot be written."""
-    suffix = suffix_of(out)
-    if suffix not in WRITTEN:
-        raise InputError(
-            f"{out}: a label map is written as {' or '.join(WRITTEN)} "
-            f"(got '{out.name}')"
-        )
-    drawn = Path(picture or out.with_name(out.name[: -len(suffix)] + ".png"))
-    if drawn.suffix != ".png":
-        raise InputError(f"{drawn}: the picture is written as .png")
-    check_folder(out)
-    check_folder(drawn)
-    return drawn
+    """Return where the picture goes."""
+    return Path(picture or out.with_name(out.name[: -len(suffix_of(out))] + ".png"))
 
 
 def _tumour(
