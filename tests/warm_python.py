@@ -28,7 +28,7 @@ class Running:
     place: Path
     server: "subprocess.Popen[str]"
 
-    def wait(self, timeout_s: float = 300.0) -> "subprocess.CompletedProcess[str]":
+    def wait(self, timeout_s: float = 900.0) -> "subprocess.CompletedProcess[str]":
         """Wait until it has ended; the status is negative if a signal ended it."""
         status, end = self.place / STATUS, time.monotonic() + timeout_s
         while not status.exists():

@@ -146,6 +146,10 @@ def test_stale_loads_are_dropped_and_the_newest_is_answered(
         assert all_came.wait(WAIT)
         return linear(case, **how)
 
+    async def stay_cold(_: Engine) -> None:
+        """No predictions but those that are asked for."""
+
+    monkeypatch.setattr(Engine, "warm_up", stay_cold)
     monkeypatch.setitem(viewed.predictors, "linear", slow)
     with serving(Engine(viewed)) as address, connect(address.live) as socket:
         frame(socket)
