@@ -13,8 +13,8 @@ from physgnn.scratch import MACHINE, began, clear, is_alive, prefix
 
 HOLDER = """
 import time
-from physgnn.scratch import scratch
-with scratch("test") as folder:
+from physgnn.scratch import scratch_folder
+with scratch_folder("test") as folder:
     print(folder, flush=True)
     time.sleep(60)
 """

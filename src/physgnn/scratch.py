@@ -24,7 +24,7 @@ STARTED_FIELD = 22  # of /proc/<id>/stat, counted from 1: proc(5)
 _cleared: set[Path] = set()
 
 
-def scratch(what: str) -> "tempfile.TemporaryDirectory[str]":
+def scratch_folder(what: str) -> "tempfile.TemporaryDirectory[str]":
     """Return a temporary folder, as `tempfile.TemporaryDirectory` makes it.
 
     Parameters

@@ -13,7 +13,7 @@ from physgnn.evaluation.report.page import Parts, environment
 from physgnn.evaluation.report.plots.panels import Picture
 from physgnn.evaluation.report.tables import Table
 from physgnn.io.integrity.atomic import write_whole
-from physgnn.scratch import scratch
+from physgnn.scratch import scratch_folder
 
 MOST_ROWS = 60
 # Dots of the table: within twice the noise of each coordinate, and beyond.
@@ -33,7 +33,7 @@ def write_registration_page(case: RegisteredCase, path: Path) -> None:
     InputError
         If mesh and image do not meet, or the file cannot be written.
     """
-    with scratch("page") as folder:
+    with scratch_folder("page") as folder:
         pictures = draw_registration(case, Path(folder))
         write_whole(path, registration_html(case, pictures))
 

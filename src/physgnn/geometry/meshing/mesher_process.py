@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physgnn.scratch import scratch
+from physgnn.scratch import scratch_folder
 
 INPUT, OUTPUT = "surface.npz", "mesh.npz"
 Arrays = Mapping[str, NDArray[Any]]
@@ -41,7 +41,7 @@ def run_script(
     RuntimeError
         If it fails, faults or takes longer; the message is its last line.
     """
-    with scratch("mesher") as folder:
+    with scratch_folder("mesher") as folder:
         np.savez(Path(folder) / INPUT, **dict[str, Any](arrays))
         try:
             done = subprocess.run(

@@ -14,7 +14,7 @@ from physgnn.io.febio.model_writer import log_of, write_febio
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.loads.paths import LoadPath
-from physgnn.scratch import scratch
+from physgnn.scratch import scratch_folder
 
 COMMAND = "febio4"
 INVERTED = "negative jacobian"
@@ -47,7 +47,7 @@ class FebioSolver:
             If FEBio ends without any result; with the last line it printed.
         """
         started = time.perf_counter()
-        with scratch("febio") as folder:
+        with scratch_folder("febio") as folder:
             file = Path(folder) / "model.feb"
             write_febio(file, self._body, path)
             printed = self._run(file)

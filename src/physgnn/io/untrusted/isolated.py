@@ -20,7 +20,7 @@ from physgnn.io.untrusted import reader_process
 from physgnn.io.untrusted.compressed import read_npz
 from physgnn.io.untrusted.limits import allowed_bytes
 from physgnn.memory_limits import GB
-from physgnn.scratch import scratch
+from physgnn.scratch import scratch_folder
 
 TIMEOUT_S = 60.0
 # What the libraries and NumPy map themselves, and copies of the data on the way.
@@ -68,7 +68,7 @@ class IsolatedReader:
             With the library's complaint, or if it crashed or took too long.
         """
         request["path"] = str(path.resolve())
-        with self._lock, scratch("read") as folder:
+        with self._lock, scratch_folder("read") as folder:
             out = Path(folder) / "arrays.npz"
             error = self._ask({**request, "out": str(out)}, allowed_bytes(path))
             if error:

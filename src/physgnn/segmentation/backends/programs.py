@@ -9,7 +9,7 @@ from physgnn.arrays import BoolArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
 from physgnn.io.medical.images.formats import read_image, write_image
-from physgnn.scratch import scratch
+from physgnn.scratch import scratch_folder
 from physgnn.segmentation.orientation import mask_on
 
 LONGEST_S = 1800.0
@@ -49,7 +49,7 @@ class Program:
         InputError
             If the program fails, takes more than half an hour or writes no mask.
         """
-        with scratch("backend") as name:
+        with scratch_folder("backend") as name:
             folder = Path(name)
             write_image(folder / SCAN, image)
             self._run(folder)

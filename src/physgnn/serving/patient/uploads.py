@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from physgnn.errors import InputError
-from physgnn.scratch import scratch
+from physgnn.scratch import scratch_folder
 from physgnn.serving.protocol.patient_messages import MOST_FILES, MeasuredFile
 
 MAX_TOTAL_BYTES = 64 << 20  # of one session
@@ -48,7 +48,7 @@ class Uploads:
 
     def __init__(self, roles: Sequence[str], suffixes: Sequence[str]) -> None:
         self._roles, self._suffixes = roles, sorted(suffixes, key=len, reverse=True)
-        self._folder = scratch("view")
+        self._folder = scratch_folder("view")
         self._receiving: tuple[ReceivedFile, BinaryIO, int] | None = None
         self._count = self._total = 0
         self.files: list[ReceivedFile] = []

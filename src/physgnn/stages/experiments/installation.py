@@ -13,7 +13,7 @@ import numpy as np
 from physgnn.arrays import FloatArray
 from physgnn.bundled import BUNDLED_RUN
 from physgnn.progress import Progress
-from physgnn.scratch import scratch
+from physgnn.scratch import scratch_folder
 
 if TYPE_CHECKING:
     from physgnn.geometry import TetMesh
@@ -214,7 +214,7 @@ def _resume() -> list[Check]:
     from physgnn.dataset import Store
     from physgnn.io import write_mesh
 
-    with scratch("selftest") as name:
+    with scratch_folder("selftest") as name:
         folder = Path(name)
         write_mesh(folder / "case.vtu", _block(3))
         (folder / "loads.toml").write_text(LOADS)

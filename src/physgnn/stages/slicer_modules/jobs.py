@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from physgnn import stages
 from physgnn.errors import InputError
 from physgnn.progress import Log
-from physgnn.scratch import scratch
+from physgnn.scratch import scratch_folder
 from physgnn.stages.slicer_modules.parameters import Job
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
@@ -43,7 +43,7 @@ def mesh(job: Job) -> Mapping[str, Any]:
     surfaces = values.pop("surfaces", None)
     points, radius = values.pop("craniotomy", None), values.pop("radius_mm", None)
     out = _named(values, "mesh")
-    with scratch("slicer") as folder:
+    with scratch_folder("slicer") as folder:
         if points is not None:
             values["sets"] = _write_sets(Path(folder), points, radius, job.log)
         made = _call("mesh", {**values, "out": out}, job)
@@ -75,7 +75,7 @@ def _write_sets(folder: Path, points: str, radius_mm: float, log: Log) -> Path:
 
 def register(job: Job) -> Mapping[str, Any]:
     """Register a mesh to what was measured."""
-    with scratch("slicer") as folder:
+    with scratch_folder("slicer") as folder:
         values, others = _shift(job, Path(folder))
         found = _call("register", values, job)
         _write_forms(values, others, job)
@@ -88,7 +88,7 @@ def register(job: Job) -> Mapping[str, Any]:
 
 def predict(job: Job) -> Mapping[str, Any]:
     """Predict the displacement under a load: a file, or a force on points."""
-    with scratch("slicer") as folder:
+    with scratch_folder("slicer") as folder:
         values, others = _shift(job, Path(folder))
         points, force = values.pop("points", None), values.pop("force_n", None)
         if (points is None) == ("load" not in values):

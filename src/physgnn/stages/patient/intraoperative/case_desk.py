@@ -22,7 +22,7 @@ from physgnn.io import read_mesh, write_mesh
 from physgnn.io.integrity.atomic import whole_file, write_whole
 from physgnn.io.medical.markups import POINT_READERS
 from physgnn.io.surfaces.formats import SURFACE_READERS
-from physgnn.scratch import scratch
+from physgnn.scratch import scratch_folder
 from physgnn.stages.patient.intraoperative.registration import register
 from physgnn.stages.patient.preoperative.adaptation import adapt
 from physgnn.stages.patient.preoperative.case_file import case_text, craniotomy_at
@@ -80,7 +80,7 @@ class CaseDesk:
         self._tree = KDTree(self._cortex)
         self._note, self._text = METHODS, ""
         with ExitStack() as unless_all_is_well:
-            self._scratch = scratch("case")
+            self._scratch = scratch_folder("case")
             unless_all_is_well.callback(self._scratch.cleanup)
             if "fixed" not in self._mesh.point_sets:
                 self._open_somewhere()
