@@ -11,6 +11,7 @@ from physgnn.cli import main
 from physgnn.dataset import Store
 from physgnn.io import write_load_case
 from physgnn.learning.physgnn.network import PhysGNN
+from physgnn.versions import release
 
 STEPS = ("mesh", "simulate", "train", "evaluate", "predict")
 
@@ -37,6 +38,10 @@ def test_help_lists_the_commands(call: Call) -> None:
     assert code == 0
     for name in (*STEPS, "export", "import", "published", "demo"):
         assert f"\n  {name} " in out
+
+
+def test_the_release_is_said(call: Call) -> None:
+    assert call("--version") == (0, f"physgnn {release('physgnn')}\n", "")
 
 
 @pytest.mark.slow

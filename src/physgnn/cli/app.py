@@ -5,16 +5,19 @@ import sys
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from pkgutil import iter_modules
+from typing import Annotated
 
 import typer
 
 from physgnn.cli import patient, studies
 from physgnn.errors import InputError
 from physgnn.stages.naming import COMMANDS
+from physgnn.versions import release
 
 app = typer.Typer(
     help="Real-time prediction of brain deformation: mesh, finite elements, networks.",
     no_args_is_help=True,
+    invoke_without_command=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -33,6 +36,17 @@ WORKFLOW = (
 HIDDEN = frozenset({"bundle"})
 """Commands that the help does not list: they are for those who make a release."""
 NAMES = {function: command for command, function in COMMANDS.items()}
+
+
+@app.callback()
+def _before_any_command(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print which release this is.")
+    ] = False,
+) -> None:
+    if version:
+        print(f"physgnn {release('physgnn')}")
+        raise typer.Exit
 
 
 def _commands() -> Iterator[tuple[str, Callable[..., None]]]:
