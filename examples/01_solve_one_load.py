@@ -21,6 +21,7 @@ CRANIOTOMY = np.array([39.7, 8.8, 62.5])  # mm, over the bundled tumour
 
 def main(folder: Path) -> dict[str, float]:
     """Solve, write, and return the largest displacement and what holds it, mm and N."""
+    folder.mkdir(parents=True, exist_ok=True)
     phantom = mni152_phantom(n_points=700)
     mesh = pg.tetrahedralize(phantom.brain, phantom.tumours, target_points=3000)
     away = np.linalg.norm(mesh.points - CRANIOTOMY, axis=1)

@@ -49,6 +49,7 @@ class Yeoh:
 
 def main(folder: Path) -> dict[str, float]:
     """Check P against W, draw the curves, and return the error and the stiffening."""
+    folder.mkdir(parents=True, exist_ok=True)
     yeoh, neo = Yeoh(500.0, 400.0), Yeoh(500.0, 0.0)
     stretches = np.linspace(0.7, 1.3, 61)
     curves = {"Yeoh": nominal(yeoh, stretches), "neo-Hookean": nominal(neo, stretches)}

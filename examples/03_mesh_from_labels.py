@@ -23,6 +23,7 @@ REGIONS = {"brain": (0, 1), "tumour": (1, 4), "ventricle": (2, 3)}  # region, la
 
 def main(folder: Path) -> dict[str, float]:
     """Mesh, and return how far each tissue's volume is from its labels', per cent."""
+    folder.mkdir(parents=True, exist_ok=True)
     image = label_map()
     nib.save(image, folder / "labels.nii.gz")
     mesh = pg.mesh(

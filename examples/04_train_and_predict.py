@@ -44,6 +44,7 @@ pod_modes = 4
 
 def main(folder: Path) -> dict[str, float]:
     """Return errors on load paths that had no part in the training, mm."""
+    folder.mkdir(parents=True, exist_ok=True)
     (folder / "loads.toml").write_text(LOADS)
     (folder / "training.toml").write_text(TRAINING)
     pg.mesh(folder / "case.vtu", mni152=True, target_points=1200)

@@ -40,6 +40,7 @@ anchors = 3
 
 def main(folder: Path) -> dict[str, float]:
     """Return errors on the patient never seen, by finite elements' word, mm."""
+    folder.mkdir(parents=True, exist_ok=True)
     (folder / "loads.toml").write_text(LOADS)
     (folder / "family.toml").write_text(FAMILY)
     *family, patient = pg.anatomies(folder / "family", count=4, seed=0)

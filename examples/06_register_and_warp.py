@@ -31,6 +31,7 @@ of = { kind = "sphere", centre_mm = [39.7, 8.8, 62.5], radius_mm = 70 }
 
 def main(folder: Path) -> dict[str, float]:
     """Return the error at surface points that were not measured, and the bound, mm."""
+    folder.mkdir(parents=True, exist_ok=True)
     (folder / "sets.toml").write_text(SETS)
     mesh = pg.mesh(
         folder / "case.vtu",

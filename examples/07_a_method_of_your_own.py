@@ -40,6 +40,7 @@ levels = 4
 
 def main(folder: Path) -> dict[str, float]:
     """Return every method's mean error on load paths never seen, mm."""
+    folder.mkdir(parents=True, exist_ok=True)
     sys.path.insert(0, str(TEMPLATES))  # where Python finds the method
     (folder / "loads.toml").write_text(LOADS)
     pg.mesh(folder / "case.vtu", mni152=True, target_points=1000)
