@@ -141,7 +141,7 @@ def row(name: str, mesher: str, case: Case, points: int):  # type: ignore[no-unt
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     cells = [
         name,
-        mesher.value,
+        mesher,
         str(mesh.n_points),
         f"{shape.mean_ratio_min:.3f}, {shape.mean_ratio_median:.3f}",
         ", ".join(f"{100 * e:+.3f}" for e in errors),

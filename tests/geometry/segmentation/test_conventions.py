@@ -157,3 +157,12 @@ def test_a_real_freesurfer_map(shared: Path) -> None:
     assert "fourth ventricle" in found.fits
     big = found.fits["left lateral, right lateral and third ventricle"]
     assert min(big.structures.values()) > 0.9
+
+
+def test_what_fills_the_folds_is_said() -> None:
+    """A fold whose fluid the map labels, as FreeSurfer's label 24 does."""
+    fold = head((2, 41, 8), [(at(0, 0, 40), at(4, 30, 30), 24)])
+    notes = tissue_masks(fold, LABEL_TABLES["freesurfer"]).notes
+    assert "folds narrower than 8 mm (closing_mm 4): " in notes[0]
+    assert "brain: of what was filled the map labels 100% as outside of it" in notes
+    assert tissue_masks(fold, LABEL_TABLES["freesurfer"], closing_mm=0.0).notes == ()

@@ -175,7 +175,7 @@ def test_mni152_tissue_maps_make_a_brain(tmp_path: Path) -> None:
     table = LabelTable({"brain": (1, 2)}, closing_mm=6.0)
     found = extract_surfaces(read_segmentation(path), table)
     check_whole(found)
-    assert "closing filled" in found.notes[0]
+    assert "folds narrower than 12 mm (closing_mm 6): " in found.notes[0]
     assert abs(found.fits["brain"].volume_error) < 0.02
     assert found.fits["brain"].distance_mm < 2.0
     assert LABEL_TABLES["freesurfer"].closing_mm > 0

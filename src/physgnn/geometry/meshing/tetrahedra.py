@@ -7,6 +7,7 @@ wheel carries TetGen 1.6. fTetWild is what is left where tetgen is not installed
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from importlib.metadata import version
 
 import numpy as np
 
@@ -24,6 +25,9 @@ TARGET_TOLERANCE = {TETGEN: 0.05, TETWILD: 0.1}
 TARGET_RUNS = 6
 # Of the tolerance: larger cells change no more, the surfaces set the number.
 SATURATED = 0.2
+# What fTetWild takes for a point, ms on one thread: even surfaces, and surfaces much
+# finer than the cells.
+TETWILD_MS = (1.0, 10.0)
 
 
 def tetrahedralize(
@@ -87,7 +91,13 @@ def tetrahedralize(
     if target_points is not None:
         first = _first_volume(chosen, brain, complex_, target_points)
         tolerance = TARGET_TOLERANCE[chosen]
-        found = _mesh_near(target_points, mesh, first, tolerance)
+        # TetGen is fast, and published meshes come from the plain search
+        on_surfaces = complex_.n_points if chosen == TETWILD else 0
+        if chosen == TETWILD:
+            log(_expected_seconds(max(target_points, on_surfaces)))
+        found = _mesh_near(
+            target_points, mesh, first, tolerance, on_surfaces=on_surfaces
+        )
         if abs(np.log(found.n_points / target_points)) > tolerance:
             log(
                 f"{found.n_points} points is the nearest to {target_points} found: the "
@@ -121,6 +131,32 @@ def chosen_mesher(mesher: str | None) -> str:
             "run pip install 'physgnn[tetgen]', or mesh by fTetWild (--mesher tetwild)"
         )
     return mesher
+
+
+def record(mesher: str) -> str:
+    """Return what a mesh file says about its mesher.
+
+    Parameters
+    ----------
+    mesher : str
+        As `chosen_mesher` returns it.
+
+    Returns
+    -------
+    str
+        Name and version, and whether a second run gives the same mesh.
+    """
+    again, package = {
+        TETGEN: ("another run gives the same mesh", "tetgen"),
+        # it shuffles the triangles by random numbers of the system, and has no seed
+        TETWILD: ("another run gives other points", "pytetwild"),
+    }[mesher]
+    return f"{NAMES[mesher]} (package {package} {version(package)}); {again}"
+
+
+def _expected_seconds(n_points: int) -> str:
+    low, high = (n_points * ms / 1000.0 for ms in TETWILD_MS)
+    return f"fTetWild: {low:.0f} to {high:.0f} s of one core for {n_points} points"
 
 
 def paper_max_volume(surface: Surface) -> float:
@@ -200,26 +236,34 @@ def _mesh_near(
     mesh: Callable[[float], TetMesh],
     first_volume: float,
     tolerance: float,
+    *,
+    on_surfaces: int,
 ) -> TetMesh:
     """Return the mesh nearest to a number of points within a few runs.
 
-    Secant steps on log(points) over log(volume); points grow as 1/volume.
+    Points inside grow as 1/volume, those on the surfaces stay; then secant steps on
+    log(points) over log(volume). Where more lie on the surfaces than are wanted, the
+    first run that says so is the last.
     """
     low, high = TARGET_RANGE
     if not low <= target <= high:
         raise InputError(f"target_points must be in {low}…{high} (got {target})")
-    log_volume, slope = np.log(first_volume), -1.0
+    log_volume = np.log(first_volume)
     tried: list[tuple[float, float, TetMesh]] = []
     for _ in range(TARGET_RUNS):
         found = mesh(float(np.exp(log_volume)))
         excess = float(np.log(found.n_points / target))
         tried.append((log_volume, excess, found))
-        if abs(excess) < tolerance:
+        if abs(excess) < tolerance or (excess > 0.0 and target <= on_surfaces):
             break
         if len(tried) > 1:
             (x0, y0, _), (x1, y1, _) = tried[-2:]
             if abs(y1 - y0) < SATURATED * tolerance:
                 break
-            slope = min((y1 - y0) / (x1 - x0), -0.1)
-        log_volume -= np.clip(excess / slope, -4.0, 4.0)
+            step = -excess / min((y1 - y0) / (x1 - x0), -0.1)
+        elif min(found.n_points, target) > on_surfaces:
+            step = np.log((found.n_points - on_surfaces) / (target - on_surfaces))
+        else:
+            step = excess
+        log_volume += np.clip(step, -4.0, 4.0)
     return min(tried, key=lambda run: abs(run[1]))[2]

@@ -2,7 +2,8 @@
 
 `run` starts this file as a script, which imports NumPy, pytetwild and what it needs of
 this package alone, on one thread. Two runs on the same surfaces give meshes of the same
-quality, but not the same points.
+quality, but not the same points: fTetWild inserts the triangles in an order that it
+draws from the system's random numbers, and pytetwild 0.4 has no argument for a seed.
 """
 
 import sys

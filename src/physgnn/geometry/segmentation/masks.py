@@ -108,13 +108,14 @@ def tissue_masks(
     window, grid = _window(whole, labels.grid, MARGIN_MM + closing)
     notes: list[str] = []
     voxel = grid.voxel_volume_mm3
+    cropped = _cropped(labels.data, window)
     brain = _closed(_cropped(whole, window), grid.voxel_mm, closing, voxel, notes)
+    notes += _folds(brain & ~_cropped(whole, window), cropped, table)
     for name in REGIONS[1:]:
         if name in masks:
             _check_apart(_cropped(masks[name], window), brain, name, voxel, notes)
     parts: dict[str, tuple[Mask, ...]] = dict.fromkeys(REGIONS[1:], ())
     names: list[str] = []
-    cropped = _cropped(labels.data, window)
     for name in REGIONS[1:]:
         if name in masks:
             mask = _cropped(masks[name], window) & brain
@@ -176,7 +177,8 @@ def _closed(
     if radius > 0:
         grown = ndimage.distance_transform_edt(~mask, sampling=spacing) <= radius
         mask = mask | (ndimage.distance_transform_edt(grown, sampling=spacing) > radius)
-        _note(notes, "brain: closing filled", mask.sum() - size, voxel)
+        what = f"brain: folds narrower than {2 * radius:g} mm (closing_mm {radius:g}):"
+        _note(notes, what, mask.sum() - size, voxel, "filled")
     piece, n_pieces = ndimage.label(mask, FACES)
     sizes = np.bincount(piece.ravel())[1:]
     largest = int(sizes.argmax())
@@ -226,6 +228,20 @@ def _pieces(
     return tuple(kept)
 
 
-def _note(notes: list[str], what: str, voxels: int, voxel: float) -> None:
+def _folds(
+    filled: Mask, labels: NDArray[np.int32], table: LabelTable
+) -> tuple[str, ...]:
+    """Say how much of what was filled a map that labels the fluid has as outside."""
+    outside = (
+        float(np.isin(labels[filled], table.outside).mean()) if filled.any() else 0
+    )
+    if outside == 0.0:
+        return ()
+    return (f"brain: of what was filled the map labels {outside:.0%} as outside of it",)
+
+
+def _note(
+    notes: list[str], what: str, voxels: int, voxel: float, done: str = ""
+) -> None:
     if voxels > 0:
-        notes.append(f"{what} {voxels * voxel / 1000:.2f} ml")
+        notes.append(f"{what} {voxels * voxel / 1000:.2f} ml {done}".rstrip())

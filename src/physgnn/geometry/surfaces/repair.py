@@ -58,8 +58,9 @@ def repaired(surface: Surface, name: str) -> Surface:
         found = _filled(rest)
     if meshfix_available():
         return check_surface(_by_meshfix(surface), name)[0]
-    assert fault is not None
-    raise fault
+    raise InputError(
+        f"{fault}; MeshFix may do it (pip install 'physgnn[meshfix]')"
+    ) from fault
 
 
 def _without_faults(surface: Surface, rings: int) -> Surface | None:

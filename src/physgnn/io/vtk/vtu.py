@@ -26,7 +26,12 @@ TETRA, CORNERS = 10, 4  # VTK's number of linear tetrahedra, and their corners
 SPACE, RAS = "SPACE", "RAS"
 
 
-def write_mesh(path: str | Path, mesh: TetMesh) -> None:
+def write_mesh(
+    path: str | Path,
+    mesh: TetMesh,
+    *,
+    notes: Mapping[str, Sequence[str]] | None = None,
+) -> None:
     """Write a mesh with its regions and point sets; `read_mesh` gives it back exactly.
 
     Parameters
@@ -35,13 +40,17 @@ def write_mesh(path: str | Path, mesh: TetMesh) -> None:
         Where it goes, .vtu.
     mesh : TetMesh
         The mesh; lengths in mm.
+    notes : mapping of str to lines of text, optional
+        Become field data, such as ``mesher``; `read_mesh` leaves them out.
 
     Raises
     ------
     InputError
         If the name does not end in .vtu or the folder is missing.
     """
-    save_grid(Path(path), grid_of(mesh))
+    grid = grid_of(mesh)
+    add_notes(grid, notes)
+    save_grid(Path(path), grid)
 
 
 def write_prediction(

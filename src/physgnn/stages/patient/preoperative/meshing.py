@@ -10,7 +10,7 @@ from physgnn.geometry import (
     TetMesh,
 )
 from physgnn.geometry.meshing import tetgen_process
-from physgnn.geometry.meshing.tetrahedra import TETGEN, TETWILD
+from physgnn.geometry.meshing.tetrahedra import TETGEN, TETWILD, record
 from physgnn.geometry.plausibility import check_millimetres, check_volume_ml
 from physgnn.geometry.segmentation.masks import SMALLEST_MM3
 from physgnn.geometry.surface import volume
@@ -122,6 +122,7 @@ def mesh(
         "log": log,
     }
     by = _mesher(mesher, kept=kept)
+    made_by = [] if segmentation is not None and is_mesh_file(segmentation) else [by]
     if segmentation is not None and is_mesh_file(segmentation):
         sizes = (target_points, max_volume_mm3, brain_mask, smoothing_mm, closing_mm)
         if any(option is not None for option in (*sizes, mesher)):
@@ -167,7 +168,7 @@ def mesh(
             "keep_surface": keep_surface,
         }
         made = mesh_surfaces(surface, inner, **size, mesher=by, **shared)
-    write_mesh(out, made)
+    write_mesh(out, made, notes={"mesher": [record(name) for name in made_by]})
     return made
 
 
