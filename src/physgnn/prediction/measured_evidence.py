@@ -15,6 +15,8 @@ class OffsetEvidence:
         Standard deviation of the translation along an axis, given the data.
     log_ratio : float
         Logarithm of how much more probable the data are with an offset.
+    probability : float
+        Of an offset, given the data.
     change_mm : float
         How far, at most, the displacement of a point is another with an offset.
     corrected : bool
@@ -25,6 +27,7 @@ class OffsetEvidence:
     turn_deg: float
     deviation_mm: float
     log_ratio: float
+    probability: float
     change_mm: float
     corrected: bool
 
@@ -56,9 +59,9 @@ class MeasurementFit:
         Of the places of one kind, at most, that the rest contradicts.
     offset : OffsetEvidence, optional
         Where an offset of the navigation was looked for.
-    outside_mm : float
-        Median distance of a measured surface outward from the body's at rest, where
-        nothing else was measured; 0 with points.
+    sunk_mm : float
+        How far what was measured sank into the brain, in the median; infinite where the
+        whole surface was measured.
     """
 
     n_places: int
@@ -70,4 +73,4 @@ class MeasurementFit:
     chance: float
     outlier_share: float = 0.0
     offset: OffsetEvidence | None = None
-    outside_mm: float = 0.0
+    sunk_mm: float = float("inf")

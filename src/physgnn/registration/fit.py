@@ -68,10 +68,11 @@ def fit_of(
             turn_deg=offset.turn_deg,
             deviation_mm=float(offset.deviation_mm.max()),
             log_ratio=offset.log_ratio,
+            probability=offset.probability,
             change_mm=offset.change_mm,
             corrected=offset.corrected,
         ),
-        outside_mm=min((one.outside_mm for one in measured), default=0.0),
+        sunk_mm=max(one.sunk_mm for one in measured),
     )
 
 
