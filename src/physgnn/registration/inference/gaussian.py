@@ -146,7 +146,7 @@ def _by_coefficients(
         scaled = inverse @ (root * seen)
         _, log_det = np.linalg.slogdet(inverse)
         each = 1.0 - inverse.diagonal() - scaled**2
-        slope = np.bincount(family, each[: len(family)], n)
+        slope = np.bincount(family, each[: len(family)], n).astype(np.float64)
         return (total - float((root * seen) @ scaled) - float(log_det)) / 2, slope
 
     return of_families
