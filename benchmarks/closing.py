@@ -11,7 +11,7 @@ import argparse
 from physgnn.errors import InputError
 from physgnn.geometry import check_surface
 from physgnn.geometry.segmentation.extract import edge_for
-from physgnn.geometry.segmentation.label_tables import label_table
+from physgnn.geometry.segmentation.labels.label_tables import label_table
 from physgnn.geometry.segmentation.mask_surface import even_surface, level_set
 from physgnn.geometry.segmentation.masks import tissue_masks
 from physgnn.geometry.segmentation.volume_fit import dice, enclosed_voxels

@@ -24,7 +24,12 @@ from physgnn.geometry import (
     select,
     tetrahedralize,
 )
-from physgnn.geometry.measured import Landmarks, PointPairs, SurfacePoints
+from physgnn.geometry.measured import (
+    Landmarks,
+    PointPairs,
+    SurfacePoints,
+    WholeSurface,
+)
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
 from physgnn.registration.skull import ALONG_MM, Support, fixed_support, sliding_support
@@ -54,6 +59,7 @@ class Case:
     surface: SurfacePoints
     displacement: FloatArray
     landmarks: Landmarks
+    whole: WholeSurface
 
 
 def _support(body: Body, skull: str) -> Support:
@@ -100,7 +106,17 @@ class Truth:
         seen = self.mesh.points[inside]
         found = seen + u[inside] + rng.normal(scale=noise, size=seen.shape)
         landmarks = Landmarks(seen, found)
-        return Case(PointPairs(source, target), SurfacePoints(surface), u, landmarks)
+        pairs, exposed = PointPairs(source, target), SurfacePoints(surface)
+        return Case(pairs, exposed, u, landmarks, self._whole(rng, u, noise))
+
+    def _whole(
+        self, rng: np.random.Generator, u: FloatArray, noise: float
+    ) -> WholeSurface:
+        """Return the whole surface as it lies after the shift, with noise."""
+        used, faces = np.unique(boundary_faces(self.mesh), return_inverse=True)
+        moved = (self.mesh.points + u)[used]
+        moved += rng.normal(scale=noise, size=moved.shape)
+        return WholeSurface(moved, faces.reshape(-1, 3).astype(np.int64))
 
     def _measure(
         self, rng: np.random.Generator, u: FloatArray, count: int, noise: float

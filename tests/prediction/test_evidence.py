@@ -1,10 +1,12 @@
 """The status that each kind of evidence calls for, row by row."""
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from physgnn.prediction.evidence import RULES, Evidence, MeasurementFit, decide
+from physgnn.prediction.measured_evidence import OffsetEvidence
 from physgnn.prediction.status import PredictionStatus as S
 
 NAN = float("nan")
@@ -20,6 +22,20 @@ MET = MeasurementFit(
     chance=0.5,
 )
 REGISTERED = Evidence(largest_mm=9.0, bound_mm=5.0, jacobian=(0.9, 1.1), fit=MET)
+
+
+def offset(probability: float, *, corrected: bool = False) -> OffsetEvidence:
+    return OffsetEvidence(
+        length_mm=4.0,
+        turn_deg=1.0,
+        deviation_mm=1.0,
+        log_ratio=3.0,
+        probability=probability,
+        change_mm=3.0,
+        corrected=corrected,
+    )
+
+
 STRONG = ("9 N in all (trained up to 4 N)",)
 
 
@@ -75,10 +91,18 @@ def test_what_speaks_for_a_displacement_decides(evidence: Evidence, status: S) -
         ({"translation_mm": 8.0}, S.OK),
         ({"misfit_ratio": 4.7, "chance": 1e-9}, S.MISFIT_ABOVE_NOISE),
         ({"chance": NAN}, S.MISFIT_ABOVE_NOISE),
+        # an offset is named where it is nearly sure; else the bound is wide enough
+        ({"offset": offset(0.96)}, S.NAVIGATION_OFFSET),
+        ({"offset": offset(0.94)}, S.OK),
+        ({"offset": offset(0.96, corrected=True)}, S.OK),
+        # 9 mm of displacement, of which the brain sank by less than a quarter
+        ({"sunk_mm": 2.2}, S.OFFSET_NOT_TOLD),
+        ({"sunk_mm": -1.0}, S.OFFSET_NOT_TOLD),
+        ({"sunk_mm": 2.3}, S.OK),
     ],
 )
 def test_a_measurement_must_carry_its_registration(
-    change: dict[str, float], status: S
+    change: dict[str, Any], status: S
 ) -> None:
     evidence = replace(REGISTERED, fit=replace(MET, **change))
     assert decide(evidence).status is status

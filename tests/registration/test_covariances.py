@@ -19,4 +19,4 @@ def test_it_is_the_covariance_of_drawn_errors_scaled_to_the_deviation() -> None:
 
 def test_a_point_that_no_mode_moves_has_none() -> None:
     response = np.zeros((2, 3, 3), np.float32)
-    assert (point_covariance(np.eye(3), response, np.zeros(3)) == 0).all()
+    assert (point_covariance(np.eye(2), response, np.zeros(3)) == 0).all()

@@ -41,16 +41,13 @@ LEAST_CHANCE = 1e-3  # of so large a misfit, if noise alone were its cause
 
 # Of the places of one kind; beyond it, nothing says which of them are the bad ones.
 LARGEST_OUTLIER_SHARE = 0.2
-# Logarithm of the ratio of probabilities that is strong evidence (Kass & Raftery,
-# "Bayes factors", Journal of the American Statistical Association 90, 1995, 773-795).
-STRONG_EVIDENCE = 3.0
-# Beforehand, an offset is thought to have a standard deviation of 2 mm an axis. In
-# simulated shifts (benchmarks/registration_statuses.py) none that was there was found
-# above the first; above the second the data tell hardly anything.
-UNUSUAL_OFFSET_MM, UNKNOWN_OFFSET_MM = 3.0, 1.6
-# Opened, a brain sinks as a rule. A surface alone that lies farther out than this, in
-# the median, is as likely of a navigation that is off.
-LARGEST_BULGE_MM = 2.5
+# From here on it is an offset that was found; below, the bound is of both.
+SURE_OF_OFFSET = 0.95
+# Opened, a brain sinks: in simulated shifts the exposed surface by more than half of
+# the largest displacement (benchmarks/registration_statuses.py). One that moves by more
+# than the first, but sinks by a smaller share of it than the second, may have sunk
+# under a navigation that is off outward.
+MOVED_MM, LEAST_SINKING = 3.0, 0.25
 
 
 @dataclass(frozen=True)
@@ -202,7 +199,7 @@ def _offset_of_navigation(evidence: Evidence) -> Iterator[str]:
     offset = evidence.fit.offset if evidence.fit is not None else None
     if offset is None or offset.corrected:
         return
-    if offset.log_ratio >= STRONG_EVIDENCE:
+    if offset.probability >= SURE_OF_OFFSET:
         yield (
             f"a rigid offset of the navigation of {offset.length_mm:.1f} mm and "
             f"{offset.turn_deg:.1f} degrees explains the measurement better than loads "
@@ -212,29 +209,14 @@ def _offset_of_navigation(evidence: Evidence) -> Iterator[str]:
 
 def _offset_not_told(evidence: Evidence) -> Iterator[str]:
     fit = evidence.fit
-    if fit is None or fit.offset is None:
+    if fit is None or evidence.largest_mm <= MOVED_MM:
         return
-    offset = fit.offset
-    deviation = float(offset.deviation_mm.max())
-    if offset.corrected and deviation > UNKNOWN_OFFSET_MM:
+    if fit.sunk_mm < LEAST_SINKING * evidence.largest_mm:
+        how = "sank" if fit.sunk_mm >= 0 else "rose"
         yield (
-            "what was measured tells little of a rigid offset, which it was to correct "
-            f"({deviation:.1f} mm uncertain)"
-        )
-    if (
-        not offset.corrected
-        and offset.length_mm > UNUSUAL_OFFSET_MM
-        and (0 < offset.log_ratio < STRONG_EVIDENCE)
-    ):
-        yield (
-            f"a rigid offset of the navigation of {offset.length_mm:.1f} mm explains "
-            "the measurement as well as a shift does: with it, points would move by up "
-            f"to {offset.change_mm:.1f} mm less or more"
-        )
-    if fit.outside_mm > LARGEST_BULGE_MM:
-        yield (
-            f"the measured surface lies {fit.outside_mm:.1f} mm outside of the body's: "
-            "a brain that swells and a navigation that is off look the same"
+            f"what was measured {how} by {abs(fit.sunk_mm):.1f} mm while points moved "
+            f"by up to {evidence.largest_mm:.1f} mm: a brain that does not sink and a "
+            "navigation that is off look the same"
         )
 
 

@@ -22,7 +22,10 @@ class RigidOffset:
     centre_mm : (3,) array
         The middle.
     log_ratio : float
-        Logarithm of how much more probable the data are with an offset.
+        Logarithm of how much more probable the data are with an offset, to the power
+        that counts.
+    probability : float
+        Of an offset, given the data.
     change_mm : float
         How far, at most, the displacement of a point is another with an offset.
     corrected : bool
@@ -35,6 +38,7 @@ class RigidOffset:
     deviation_deg: FloatArray
     centre_mm: FloatArray
     log_ratio: float
+    probability: float
     change_mm: float
     corrected: bool
 
@@ -76,9 +80,9 @@ class MeasurementFit:
         Of the places of one kind, at most, that the rest contradicts.
     offset : RigidOffset, optional
         Where an offset of the navigation was looked for.
-    outside_mm : float
-        Median distance of a measured surface outward from the body's at rest, where
-        nothing else was measured; 0 with points.
+    sunk_mm : float
+        How far what was measured sank into the brain, in the median; infinite where the
+        whole surface was measured.
     """
 
     n_places: int
@@ -90,4 +94,4 @@ class MeasurementFit:
     chance: float
     outlier_share: float = 0.0
     offset: RigidOffset | None = None
-    outside_mm: float = 0.0
+    sunk_mm: float = float("inf")

@@ -108,8 +108,9 @@ _REMEDY = {
         "it corrected, or register the tracker again"
     ),
     PredictionStatus.OFFSET_NOT_TOLD: (
-        "a rigid offset of the navigation cannot be told from a shift of the brain: "
-        "measure farther apart and inside, or points that cannot have moved"
+        "the brain hardly sank where it was measured: either it swells, or the "
+        "navigation is off outward and hides that it sank; measure the whole surface, "
+        "or points that cannot have moved"
     ),
 }
 

@@ -18,7 +18,7 @@ def point_covariance(
     Parameters
     ----------
     covariance : (r, r) array
-        C, of the modes' coefficients; those of an offset may follow.
+        C, of the error of the modes' coefficients.
     response : (r, n_points, 3) array
         What each mode does, mm.
     deviation_mm : (n_points,) array
@@ -29,7 +29,7 @@ def point_covariance(
     (n_points, 3, 3) array
     """
     r, n, _ = response.shape
-    variances, axes = np.linalg.eigh(covariance[:r, :r])
+    variances, axes = np.linalg.eigh(covariance)
     root = (axes * np.sqrt(np.maximum(variances, 0.0))).T.astype(np.float32)
     errors = (root @ response.reshape(r, -1)).reshape(r, n, 3)
     shape: FloatArray = np.einsum("rni,rnj->nij", errors, errors).astype(np.float64)

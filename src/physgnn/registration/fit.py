@@ -63,7 +63,7 @@ def fit_of(
         chance=worst[1],
         outlier_share=max(float(fit.outliers[part].mean()) for part in parts),
         offset=offset,
-        outside_mm=min((one.outside_mm for one in measured), default=0.0),
+        sunk_mm=max(one.sunk_mm for one in measured),
     )
 
 

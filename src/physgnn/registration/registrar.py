@@ -32,7 +32,12 @@ from physgnn.prediction.measured_evidence import RigidOffset
 from physgnn.prediction.prediction import ErrorBound, Prediction
 from physgnn.registration.covariances import point_covariance
 from physgnn.registration.fit import fit_of
-from physgnn.registration.inference.bounds import error_lengths, estimate_of
+from physgnn.registration.inference.bounds import (
+    error_lengths,
+    estimate_of,
+    factors_of,
+    mixed_covariance,
+)
 from physgnn.registration.inference.rows import MeasuredRows
 from physgnn.registration.inference.search import Search, combined
 from physgnn.registration.load_families import load_modes
@@ -163,14 +168,16 @@ class Registrar:
             self.tangent, self.modes, measurements, noises, with_offset=rigid_offset
         )
         whole = search.linear_step() if linear else search.descend()
-        fit, rows, offset = search.fit, search.rows(), search.offset()
-        lengths = error_lengths(fit.posterior, search.response, seed)
+        fit, rows = search.fit, search.rows()
+        offset, alternatives = search.offset()
+        lengths = error_lengths(alternatives, search.response, seed)
         kinds = [one.kind for one in measurements]
-        estimate = estimate_of(lengths, coverage, kinds, corrected=rigid_offset)
+        factors = factors_of(kinds, corrected=rigid_offset)
+        estimate = estimate_of(lengths, coverage, factors)
         verdict = self._verdict(search, estimate, measurements, offset, whole)
-        deviation = np.sqrt((lengths**2).mean(axis=0))
+        deviation = factors.of_mean * lengths.deviation_mm
         covariance = point_covariance(
-            fit.posterior.covariance, search.response, deviation
+            mixed_covariance(alternatives), search.response, deviation
         )
         seconds = time.perf_counter() - start
         kept = rows.spread((~fit.outliers).astype(float)) > 0

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import multivariate_normal
 
 from physgnn.registration.inference.gaussian import log_evidence
-from physgnn.registration.inference.rigid_offset import PRIOR, offset_between
+from physgnn.registration.inference.rigid_offset import HYPOTHESES, compared
 from physgnn.registration.inference.rows import MeasuredRows, Modes, rigid_columns
 from physgnn.registration.measurements.observation import Observation
 
@@ -66,10 +66,14 @@ def test_an_offset_is_found_only_where_there_is_one(size: float) -> None:
     rows = MeasuredRows(A / 0.5, d / 0.5, np.full(120, 0.5), ((40, 3),)).with_columns(
         columns
     )
-    modes = Modes(np.zeros(4, dtype=np.int64), PRIOR, 0.5)
-    ratio, _, with_offset = offset_between(rows, modes, np.ones(40))
+    modes = Modes(np.zeros(4, dtype=np.int64), np.empty(0), 0.5)
+    comparison = compared(rows, modes, np.ones(40))
+    assert comparison.probabilities.sum() == pytest.approx(1.0)
+    assert len(comparison.fits) == len(HYPOTHESES)
+    with_offset = comparison.likely
     found = with_offset.posterior.mean[-6:-3]
     np.testing.assert_allclose(found, t, atol=0.4)
-    assert (ratio > 3.0) == (size > 0)
+    assert (comparison.log_ratio > 3.0) == (size > 0)
+    assert (comparison.probabilities[0] < 0.05) == (size > 0)
     deviation = np.sqrt(with_offset.posterior.covariance.diagonal()[-6:-3])
     assert (deviation < 0.3).all()

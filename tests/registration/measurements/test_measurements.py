@@ -12,12 +12,19 @@ from physgnn.geometry.measured import (
     SurfacePoints,
     WholeSurface,
 )
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics import NeoHookean
+from physgnn.mechanics.body import Body
 from physgnn.registration.measurements.places import surface_interpolation
 from physgnn.registration.measurements.points import measured_landmarks, measured_pairs
 from physgnn.registration.measurements.surfaces import (
     MeasuredSurface,
     MeasuredWholeSurface,
 )
+
+
+def body_of(mesh: TetMesh) -> Body:
+    return Body(mesh, {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(3000.0, 0.45)})
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -60,8 +67,27 @@ def test_pairs_are_seen_in_all_components() -> None:
     mesh = block_mesh(3)
     source = np.array([[5.0, 5.0, 10.0], [2.0, 3.0, 10.0], [7.0, 3.0, 10.0]])
     pairs = PointPairs(source, source + np.array([1.0, 2.0, 3.0]))
-    seen = measured_pairs(mesh, pairs).observe(np.ones_like(mesh.points))
+    seen = measured_pairs(body_of(mesh), pairs).observe(np.ones_like(mesh.points))
     np.testing.assert_allclose(seen.missing, np.tile([0.0, 1.0, 2.0], (3, 1)))
+
+
+def test_every_kind_says_how_far_the_exposed_part_sank() -> None:
+    """A block held by all but its top: out of it is up."""
+    mesh = block_mesh(4, side=40.0)
+    fixed = np.flatnonzero(mesh.points[:, 2] < 40.0)
+    mesh = mesh.with_point_sets(fixed=fixed)
+    body, n = body_of(mesh), 30
+    flat = np.random.default_rng(0).uniform(12, 28, (n, 2))
+    top, deep = (np.column_stack([flat, np.full(n, z)]) for z in (40.0, 25.0))
+    down = np.array([1.0, 0.0, -3.0])
+    for kind, see, source in (
+        (PointPairs, measured_pairs, top),
+        (Landmarks, measured_landmarks, deep),
+    ):
+        seen = see(body, kind(source, source + down))  # type: ignore[operator]
+        assert seen.sunk_mm == pytest.approx(3.0, abs=1e-6)
+    surface = MeasuredSurface(mesh, fixed, SurfacePoints(top + down))
+    assert surface.sunk_mm == pytest.approx(3.0, abs=1e-3)
 
 
 def test_landmarks_are_interpolated_within_their_cells() -> None:
@@ -69,7 +95,7 @@ def test_landmarks_are_interpolated_within_their_cells() -> None:
     mesh = block_mesh(3, jitter=0.15)
     inside = np.random.default_rng(0).uniform(0.5, 9.5, (30, 3))
     field = mesh.points @ np.array([[1.0, 2, 0], [0, 1, 3], [2, 0, 1]]) + 1.0
-    seen = measured_landmarks(mesh, Landmarks(inside, inside)).observe(field)
+    seen = measured_landmarks(body_of(mesh), Landmarks(inside, inside)).observe(field)
     wanted = inside @ np.array([[1.0, 2, 0], [0, 1, 3], [2, 0, 1]]) + 1.0
     np.testing.assert_allclose(seen.missing, -wanted, atol=1e-9)
     np.testing.assert_allclose(seen.places.sum(axis=1), 1.0)
@@ -79,7 +105,7 @@ def test_a_landmark_outside_of_the_head_is_named() -> None:
     source = np.array([[5.0, 5.0, 5.0], [5.0, 5.0, 40.0], [5.0, 5.0, 11.0]])
     landmarks = Landmarks(source, source, ("vessel", "falx tip", "rim"))
     with pytest.raises(InputError, match=r"outside of it: 'falx tip' \(30\.0 mm\)\)"):
-        measured_landmarks(block_mesh(3), landmarks)
+        measured_landmarks(body_of(block_mesh(3)), landmarks)
 
 
 def whole_block(n: int, lift: float) -> WholeSurface:

@@ -149,7 +149,7 @@ def _summary(found: "Registration") -> str:
     """Return what a registration found, in one line."""
     status, bound = found.prediction.status, found.prediction.error_estimate_mm
     offset, outliers = found.offset, len(found.outliers)
-    done = "corrected" if offset.corrected else "not corrected"
+    done = "corrected" if offset.corrected else f"{offset.probability:.0%} probable"
     error = (
         ""
         if bound is None

@@ -7,6 +7,7 @@ about the size of the data: without it, families that a few points need not be e
 by vanish, and with them the uncertainty far from the points.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -84,26 +85,71 @@ def choose_variances(
     """
     size = float(np.sqrt((d**2).mean())) if typical is None else typical
     middle = np.log(max(size, noise))
-    rest = noise**2 * np.eye(len(d)) + (0.0 if known is None else known @ known.T)
-    columns = [A[:, family == i] for i in range(int(family.max()) + 1)]
-    covariances = np.stack([part @ part.T for part in columns])
+    further = np.empty((len(d), 0)) if known is None else known
+    likelihood = _by_coefficients if len(d) > A.shape[1] else _by_data
+    of_families = likelihood(A / noise, d / noise, family, further / noise)
 
     def cost(log_deviations: FloatArray) -> tuple[float, FloatArray]:
         """Return −log of the posterior up to a constant, and its gradient."""
-        variances = np.exp(2 * log_deviations)
+        total, slope = of_families(np.exp(2 * log_deviations))
+        far = (log_deviations - middle) / HYPER_DEVIATION
+        return total + float(far @ far) / 2, slope + far / HYPER_DEVIATION
+
+    start = np.full(int(family.max()) + 1, middle)
+    within = [(middle - FARTHEST, middle + FARTHEST)] * len(start)
+    found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=within)
+    prior: FloatArray = np.exp(2 * found.x)[family]
+    return prior
+
+
+Likelihood = Callable[[FloatArray], tuple[float, FloatArray]]
+
+
+def _by_data(
+    A: FloatArray, d: FloatArray, family: IntArray, known: FloatArray
+) -> Likelihood:
+    """Return −log p(d) of families' variances, and its slope in half their logarithms.
+
+    Up to a constant; with matrices as large as the data are many. The noise is 1.
+    """
+    columns = [A[:, family == i] for i in range(int(family.max()) + 1)]
+    covariances = np.stack([part @ part.T for part in columns])
+    rest = np.eye(len(d)) + known @ known.T
+
+    def of_families(variances: FloatArray) -> tuple[float, FloatArray]:
         inverse = np.linalg.inv(np.tensordot(variances, covariances, 1) + rest)
         alpha = inverse @ d
         _, log_det = np.linalg.slogdet(inverse)
         slope = np.tensordot(covariances, inverse, 2) - (covariances @ alpha) @ alpha
-        far = (log_deviations - middle) / HYPER_DEVIATION
-        total = float(d @ alpha - log_det + far @ far) / 2
-        return total, variances * slope + far / HYPER_DEVIATION
+        return float(d @ alpha - log_det) / 2, variances * slope
 
-    start = np.full(len(covariances), middle)
-    within = [(middle - FARTHEST, middle + FARTHEST)] * len(covariances)
-    found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=within)
-    prior: FloatArray = np.exp(2 * found.x)[family]
-    return prior
+    return of_families
+
+
+def _by_coefficients(
+    A: FloatArray, d: FloatArray, family: IntArray, known: FloatArray
+) -> Likelihood:
+    """Return the same with matrices as large as the coefficients are many.
+
+    With S = I + Λ½ Aᵀ A Λ½ the determinant of the data's covariance is that of S, and
+    the slope of a family is the sum of 1 − (S⁻¹)ᵢᵢ − wᵢ² / Λᵢ over its coefficients, w
+    the most probable ones (MacKay, "Bayesian interpolation", Neural Computation 4,
+    1992, 415–447).
+    """
+    n = int(family.max()) + 1
+    both = np.concatenate([A, known], axis=1)
+    square, seen, total = both.T @ both, both.T @ d, float(d @ d)
+
+    def of_families(variances: FloatArray) -> tuple[float, FloatArray]:
+        root = np.concatenate([np.sqrt(variances)[family], np.ones(known.shape[1])])
+        inverse = np.linalg.inv(_plus_one(square * root * root[:, None]))
+        scaled = inverse @ (root * seen)
+        _, log_det = np.linalg.slogdet(inverse)
+        each = 1.0 - inverse.diagonal() - scaled**2
+        slope = np.bincount(family, each[: len(family)], n).astype(np.float64)
+        return (total - float((root * seen) @ scaled) - float(log_det)) / 2, slope
+
+    return of_families
 
 
 def condition(
@@ -143,29 +189,47 @@ def condition_blocks(
     blocks : tuple of (n, k)
         So many rows of so many data each, m in all; a row is held out together.
     """
-    inverse = np.linalg.inv(_with_noise((A * prior) @ A.T, noise))
-    gain = prior[:, None] * (A.T @ inverse)
-    alpha = inverse @ d
-    held_out, first = np.empty_like(d), 0
-    for n, k in blocks:
-        part = slice(first, first + n * k)
-        each = np.arange(n)
-        own = inverse[part, part].reshape(n, k, n, k)[each, :, each]
-        left = np.linalg.solve(own, alpha[part].reshape(n, k, 1))
-        held_out[part] = left.ravel()
-        first += n * k
-    # I − H = σ² (A Λ Aᵀ + σ² I)⁻¹, so that the misfit is σ² times alpha.
-    spared = noise**2 * inverse.diagonal()
-    freedom = float(spared.sum())
+    A, d = A / noise, d / noise
+    if len(d) > len(prior):
+        root = np.sqrt(prior)
+        within = np.linalg.inv(_plus_one((A * root).T @ (A * root)))
+        covariance = root[:, None] * within * root
+        mean = covariance @ (A.T @ d)
+    else:
+        gain = prior[:, None] * np.linalg.solve(_plus_one((A * prior) @ A.T), A).T
+        covariance = np.diag(prior) - gain @ (A * prior)
+        mean = gain @ d
+    # I − H = (I + A Λ Aᵀ)⁻¹ = I − A C Aᵀ, which takes the data to their misfit.
+    spread = A @ covariance
+    leverage = np.einsum("ij,ij->i", spread, A)
+    misfit = d - A @ mean
+    held_out = _held_out(A, spread, misfit, blocks)
+    freedom = float((1.0 - leverage).sum())
     return Posterior(
-        mean=gain @ d,
-        covariance=np.diag(prior) - gain @ (A * prior),
-        held_out=held_out,
-        surprise=float(np.sqrt(max((held_out * alpha).sum(), 0.0) / d.size)),
-        leverage=np.asarray(1.0 - spared, dtype=np.float64),
-        misfit_ratio=float(noise**2 * (alpha**2).sum()) / max(freedom, 1e-12),
+        mean=mean,
+        covariance=covariance,
+        held_out=noise * held_out,
+        surprise=float(np.sqrt(max((held_out * misfit).sum(), 0.0) / d.size)),
+        leverage=leverage,
+        misfit_ratio=float((misfit**2).sum()) / max(freedom, 1e-12),
         freedom=freedom,
     )
+
+
+def _held_out(
+    A: FloatArray, spread: FloatArray, misfit: FloatArray, blocks: Blocks
+) -> FloatArray:
+    """Return the residual of each place when it is predicted from all the others."""
+    found, first = np.empty_like(misfit), 0
+    for n, k in blocks:
+        part = slice(first, first + n * k)
+        own = np.eye(k) - np.einsum(
+            "nir,njr->nij", spread[part].reshape(n, k, -1), A[part].reshape(n, k, -1)
+        )
+        left = np.linalg.solve(own, misfit[part].reshape(n, k, 1))
+        found[part] = left.ravel()
+        first += n * k
+    return found
 
 
 def log_evidence(
@@ -180,11 +244,17 @@ def log_evidence(
     A, d, prior, noise
         As in `condition_blocks`.
     """
-    C = _with_noise((A * prior) @ A.T, noise)
-    _, log_det = np.linalg.slogdet(C)
-    square = float(d @ np.linalg.solve(C, d))
-    return -(square + float(log_det) + len(d) * float(np.log(2 * np.pi))) / 2
+    A, d, n = A * np.sqrt(prior) / noise, d / noise, len(d)
+    if n > len(prior):
+        seen = A.T @ d
+        S = _plus_one(A.T @ A)
+        square = float(d @ d) - float(seen @ np.linalg.solve(S, seen))
+    else:
+        S = _plus_one(A @ A.T)
+        square = float(d @ np.linalg.solve(S, d))
+    _, log_det = np.linalg.slogdet(S)
+    return -(square + float(log_det) + n * float(np.log(2 * np.pi * noise**2))) / 2
 
 
-def _with_noise(C: FloatArray, noise: float) -> FloatArray:
-    return C + noise**2 * np.eye(len(C))
+def _plus_one(C: FloatArray) -> FloatArray:
+    return C + np.eye(len(C))

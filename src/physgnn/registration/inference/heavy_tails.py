@@ -114,7 +114,8 @@ def log_density(rows: MeasuredRows, prior: FloatArray, fit: RobustFit) -> float:
         total -= float(((NU + k) / 2 * np.log1p(square / NU)).sum())
         first += n * k
     B = rows.A * np.sqrt(rows.spread(fit.weights))[:, None] * np.sqrt(prior)
-    _, log_det = np.linalg.slogdet(np.eye(len(B)) + B @ B.T)
+    smaller = B @ B.T if len(B) < len(prior) else B.T @ B
+    _, log_det = np.linalg.slogdet(np.eye(len(smaller)) + smaller)
     away = float((fit.posterior.mean**2 / np.maximum(prior, 1e-300)).sum())
     return total - (away + float(log_det)) / 2
 

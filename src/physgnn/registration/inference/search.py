@@ -5,15 +5,17 @@ that of a Gaussian regression, and the new u follows (Gauss–Newton on both tog
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.prediction.measured_evidence import RigidOffset
+from physgnn.registration.inference.bounds import Alternative
 from physgnn.registration.inference.heavy_tails import reweighted, robust_start
 from physgnn.registration.inference.rigid_offset import (
     PRIOR,
-    offset_between,
+    compared,
     offset_of,
 )
 from physgnn.registration.inference.rows import (
@@ -105,23 +107,42 @@ class Search:
                 return True
         return False
 
-    def offset(self) -> RigidOffset:
-        """Return the rigid offset that the data speak for, about the last state."""
+    def offset(self) -> tuple[RigidOffset, list[Alternative]]:
+        """Return the rigid offset that the data speak for, about the last state.
+
+        With it come the posteriors that the error is of: that of the search if an
+        offset is corrected, otherwise one with each size of an offset and one without.
+        """
         columns, centre = rigid_columns(self._seen, self._measured)
         rows = rows_of(self._seen, self._noises, self.response, self._backward)
         rows = rows.with_columns(columns)
-        modes = Modes(self._about.family, PRIOR, self._about.least_mm)
-        ratio, without, offset = offset_between(rows, modes, self.fit.weights)
-        n = len(modes.family)
-        change = offset.posterior.mean[:n] - without.posterior.mean
-        lengths = np.linalg.norm(combined(self.response, change), axis=1)
-        return offset_of(
-            self.fit.posterior if self._with_offset else offset.posterior,
+        found = compared(rows, self._about, self.fit.weights)
+        n = len(self._about.family)
+        without = found.fits[0].posterior.mean
+        change = combined(self.response, found.likely.posterior.mean[:n] - without)
+        own = self.fit.posterior
+        offset = offset_of(
+            own if self._with_offset else found.likely.posterior,
             centre,
-            log_ratio=ratio,
-            change_mm=float(lengths.max()),
+            found,
+            change_mm=float(np.linalg.norm(change, axis=1).max()),
             corrected=self._with_offset,
         )
+        alone = [Alternative(1.0, np.zeros(n), own.covariance[:n, :n])]
+        if self._with_offset:
+            return offset, alone
+        others = zip(found.probabilities[1:], found.fits[1:], strict=True)
+        return offset, [
+            replace(alone[0], probability=float(found.probabilities[0])),
+            *(
+                Alternative(
+                    float(probability),
+                    fit.posterior.mean[:n] - without,
+                    fit.posterior.covariance[:n, :n],
+                )
+                for probability, fit in others
+            ),
+        ]
 
     def _step(self) -> FloatArray:
         return self._backward + combined(self.response, self.w)

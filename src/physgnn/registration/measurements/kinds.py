@@ -34,11 +34,11 @@ DEFAULT_NOISE_MM = 1.0
 
 
 def _pairs(body: Body, measured: Any) -> Measurement:
-    return measured_pairs(body.mesh, measured)
+    return measured_pairs(body, measured)
 
 
 def _landmarks(body: Body, measured: Any) -> Measurement:
-    return measured_landmarks(body.mesh, measured)
+    return measured_landmarks(body, measured)
 
 
 def _surface(body: Body, measured: Any) -> Measurement:

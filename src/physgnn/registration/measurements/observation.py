@@ -53,9 +53,9 @@ class Measurement(Protocol):
         Where they were found after the shift, mm.
     distance_mm : float
         Median distance of the points from the body's surface at rest.
-    outside_mm : float
-        Median distance outward from the exposed surface at rest; 0 of other kinds,
-        which tell more of an offset.
+    sunk_mm : float
+        How far the exposed part sank into the brain, in the median; infinite of a whole
+        surface, which tells an offset by itself.
     """
 
     kind: str
@@ -63,7 +63,7 @@ class Measurement(Protocol):
     points: FloatArray
     measured: FloatArray
     distance_mm: float
-    outside_mm: float
+    sunk_mm: float
 
     def observe(self, displacement: FloatArray) -> Observation:
         """Return what is measured about a displacement (n_points, 3), mm."""

@@ -9,6 +9,7 @@ from scipy.sparse import csr_array
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
+from physgnn.geometry.normals import area_vectors
 from physgnn.geometry.surface import FaceArray
 from physgnn.geometry.tetmesh import TetMesh
 
@@ -114,6 +115,23 @@ def cell_interpolation(
     rows = np.repeat(np.arange(len(points)), 4)
     shape = (len(points), mesh.n_points)
     return csr_array((weights.ravel(), (rows, corners.ravel())), shape)
+
+
+def opening_direction(mesh: TetMesh, skull: IntArray) -> FloatArray:
+    """Return the mean direction out of the surface that the skull doesn't hold.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The rest state.
+    skull : integer array
+        Points of the surface that are not exposed.
+    """
+    faces = boundary_faces(mesh)
+    exposed = faces[~np.isin(faces, skull).all(axis=1)]
+    total = area_vectors(mesh.points, exposed).sum(axis=0)
+    unit: FloatArray = total / max(float(np.linalg.norm(total)), 1e-12)
+    return unit
 
 
 def at_points(chosen: IntArray, n_points: int) -> csr_array:

@@ -42,7 +42,7 @@ class MeasuredSurface:
         self.labels = _numbered(len(self.points))
         self.distance_mm = self._matched.distance_mm
         rest = self.observe(np.zeros_like(mesh.points))
-        self.outside_mm = max(float(np.median(rest.missing)), 0.0)
+        self.sunk_mm = -float(np.median(rest.missing))
 
     def observe(self, displacement: FloatArray) -> Observation:
         """Compare each measured point with the deformed surface nearest to it."""
@@ -65,7 +65,7 @@ class MeasuredWholeSurface:
         self.points = np.concatenate([self._matched.points, mesh.points[self._own]])
         self.measured = self.points
         self.labels = _numbered(len(self.points))
-        self.distance_mm, self.outside_mm = self._matched.distance_mm, 0.0
+        self.distance_mm, self.sunk_mm = self._matched.distance_mm, np.inf
 
     def observe(self, displacement: FloatArray) -> Observation:
         """Compare both surfaces, each point with the nearest place of the other."""
