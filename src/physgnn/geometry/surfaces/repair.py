@@ -10,7 +10,7 @@ from importlib.util import find_spec
 import numpy as np
 import pyvista as pv
 
-from physgnn.arrays import BoolArray
+from physgnn.arrays import BoolArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.surface import FaceArray, Surface, directed_edges
 from physgnn.geometry.surfaces.checks import check_surface
@@ -95,10 +95,11 @@ def _at_crowded_edges(faces: FaceArray) -> BoolArray:
     return np.asarray(crowded.reshape(3, -1).any(axis=0))
 
 
-def _pinched(faces: FaceArray) -> FaceArray:
+def _pinched(faces: FaceArray) -> IntArray:
     """Return the points where sheets touch, of a surface without holes."""
     _, count = edge_counts(faces)
-    return pinched_points(faces) if (count == 2).all() else faces[:0, 0]
+    closed = bool((count == 2).all())
+    return pinched_points(faces) if closed else np.zeros(0, dtype=np.int64)
 
 
 def _filled(surface: Surface) -> Surface:
