@@ -3,10 +3,11 @@
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from physgnn.prediction.evidence import RULES, Evidence, MeasurementFit, decide
-from physgnn.prediction.measured_evidence import OffsetEvidence
+from physgnn.prediction.measured_evidence import RigidOffset
 from physgnn.prediction.status import PredictionStatus as S
 
 NAN = float("nan")
@@ -24,11 +25,13 @@ MET = MeasurementFit(
 REGISTERED = Evidence(largest_mm=9.0, bound_mm=5.0, jacobian=(0.9, 1.1), fit=MET)
 
 
-def offset(probability: float, *, corrected: bool = False) -> OffsetEvidence:
-    return OffsetEvidence(
-        length_mm=4.0,
-        turn_deg=1.0,
-        deviation_mm=1.0,
+def offset(probability: float, *, corrected: bool = False) -> RigidOffset:
+    return RigidOffset(
+        translation_mm=np.array([4.0, 0.0, 0.0]),
+        rotation_deg=np.array([1.0, 0.0, 0.0]),
+        deviation_mm=np.ones(3),
+        deviation_deg=np.ones(3),
+        centre_mm=np.zeros(3),
         log_ratio=3.0,
         probability=probability,
         change_mm=3.0,
