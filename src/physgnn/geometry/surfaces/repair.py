@@ -71,7 +71,7 @@ def _without_faults(surface: Surface, rings: int) -> Surface | None:
         bad[np.isin(faces, _pinched(faces)).any(axis=1)] = True
         bad[crossing_faces(Surface(surface.points, faces)).ravel()] = True
     for _ in range(rings):
-        bad = np.isin(faces, faces[bad]).any(axis=1)
+        bad = np.asarray(np.isin(faces, faces[bad]).any(axis=1))
     if bad.all():
         return None
     rest = pv.PolyData.from_regular_faces(surface.points, faces[~bad].astype(int))
