@@ -17,6 +17,7 @@ from physgnn.io.febio.model_reader import read_febio
 from physgnn.io.febio.model_writer import write_febio
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.growth import VolumeGrowth
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
@@ -274,3 +275,9 @@ def test_two_gravities_are_each_as_heavy_as_they_are(tmp_path: Path) -> None:
     for ours, theirs in zip((down, aside), found, strict=True):
         pulls = theirs.bind(mesh)(u, 1.0)
         assert np.allclose(pulls, ours.bind(mesh)(u, 1.0), rtol=1e-14, atol=0)
+
+
+def test_growth_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="swells or contracts"):
+        write(tmp_path / "a.feb", VolumeGrowth(np.arange(3), 1.1))
+    assert not (tmp_path / "a.feb").exists()

@@ -15,6 +15,7 @@ from physgnn.errors import InputError
 from physgnn.io.febio.elements import AXES, axis_of, floats, moved_point, named
 from physgnn.io.febio.load_writer import GRAVITY_MM_S2, KG_M3_TO_T_MM3, PA_TO_MPA
 from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.growth import VolumeGrowth
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure
@@ -225,6 +226,8 @@ def _check_linear(curve: ET.Element, name: str) -> None:
 def _scaled(load: Load, factor: float) -> Load:
     """Return a load that is `factor` times as large at load factor 1."""
     match load:
+        case VolumeGrowth():
+            return VolumeGrowth(load.cells, 1.0 + factor * (load.volume_ratio - 1.0))
         case Gravity():
             return Gravity(load.direction, load.density_kg_m3 * factor)
         case SurfacePressure():

@@ -21,6 +21,7 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.io.febio.elements import AXES, CURVE, add, listed, moved_point
 from physgnn.mechanics.loads.gravity import STANDARD_GRAVITY, Gravity
+from physgnn.mechanics.loads.growth import VolumeGrowth
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure
@@ -33,7 +34,7 @@ Sections = Mapping[str, ET.Element]
 
 
 def check_writable(loads: Sequence[Load]) -> None:
-    """Raise InputError if FEBio has no such load: buoyancy by a level, springs."""
+    """Raise InputError at what is not written: buoyancy by a level, springs, growth."""
     for load in loads:
         if isinstance(load, Gravity) and load.fluid_level_mm is not None:
             raise InputError(
@@ -44,6 +45,11 @@ def check_writable(loads: Sequence[Load]) -> None:
             raise InputError(
                 "models for FEBio hold no elastic membranes: hold them or leave them "
                 "out, or solve without FEBio"
+            )
+        if isinstance(load, VolumeGrowth):
+            raise InputError(
+                "models for FEBio hold no tissue that swells or contracts: leave "
+                "growth out, or solve without FEBio"
             )
 
 

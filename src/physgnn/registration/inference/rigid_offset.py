@@ -7,7 +7,7 @@ an offset; a ratio of e³ is strong evidence (Kass & Raftery, "Bayes factors", J
 the American Statistical Association 90, 1995, 773–795).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -90,7 +90,7 @@ def offset_between(
     n = len(modes.family)
     alone = MeasuredRows(rows.A[:, :n], rows.d, rows.noise, rows.blocks)
     models = (
-        (alone, Modes(modes.family, np.empty(0), modes.least_mm)),
+        (alone, replace(modes, known=np.empty(0))),
         (rows, modes),
     )
     evidence, fits = [], []
