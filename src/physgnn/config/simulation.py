@@ -176,6 +176,31 @@ class SimulationTable(ConfigTable):
         return self
 
 
+def read_membranes(path: str | Path | None) -> Membranes:
+    """Read only the table ``[membranes]`` of a TOML file; others may be there.
+
+    Parameters
+    ----------
+    path : path or None
+        The TOML file; None leaves all membranes out.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, has no [membranes], or a key or value is wrong.
+    """
+    if path is None:
+        return Membranes()
+    file = read_toml(path)
+    if "membranes" not in file:
+        raise InputError(
+            f"{path}: expected a table [membranes] (got {', '.join(file)})"
+        )
+    at = ("membranes",)
+    table: MembranesTable = read_as(MembranesTable, file["membranes"], path, at=at)
+    return Membranes(**table.model_dump())
+
+
 def read_preset(path: str | Path) -> Preset:
     """Read what to simulate from a TOML file.
 

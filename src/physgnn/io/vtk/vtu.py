@@ -18,6 +18,7 @@ from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.numbers import whole_numbers
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
+from physgnn.io.vtk.removed_tissue import add_removed
 from physgnn.io.vtk.writer import write_vtk
 
 SET_PREFIX = "point_set:"
@@ -50,6 +51,7 @@ def write_prediction(
     fields: Mapping[str, FloatArray],
     *,
     notes: Mapping[str, Sequence[str]] | None = None,
+    removed: TetMesh | None = None,
 ) -> None:
     """Write a mesh in its rest state with fields on its points.
 
@@ -65,6 +67,8 @@ def write_prediction(
         such as ``displacement_mm``.
     notes : mapping of str to lines of text, optional
         Become field data, such as ``status`` and ``reasons``.
+    removed : TetMesh, optional
+        Tissue taken out of the body, see `physgnn.io.vtk.removed_tissue`.
 
     Raises
     ------
@@ -82,6 +86,7 @@ def write_prediction(
             )
         grid.point_data[name] = values
     add_notes(grid, notes)
+    add_removed(grid, removed)
     save_grid(Path(path), grid)
 
 
