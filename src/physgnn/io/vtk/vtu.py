@@ -18,9 +18,9 @@ from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.numbers import whole_numbers
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
-from physgnn.io.vtk.removed_tissue import add_removed
 from physgnn.io.vtk.writer import write_vtk
 
+REMOVED_POINTS, REMOVED_CELLS = "removed_points", "removed_cells"  # field data
 SET_PREFIX = "point_set:"
 TETRA, CORNERS = 10, 4  # VTK's number of linear tetrahedra, and their corners
 # Without these words 3D Slicer takes the coordinates of a model for LPS.
@@ -68,7 +68,8 @@ def write_prediction(
     notes : mapping of str to lines of text, optional
         Become field data, such as ``status`` and ``reasons``.
     removed : TetMesh, optional
-        Tissue taken out of the body, see `physgnn.io.vtk.removed_tissue`.
+        Tissue that a resection took out, at rest: the mesh is what is left, and this
+        stands in the field data, as points and cells of its own.
 
     Raises
     ------
@@ -86,7 +87,9 @@ def write_prediction(
             )
         grid.point_data[name] = values
     add_notes(grid, notes)
-    add_removed(grid, removed)
+    if removed is not None:
+        grid.field_data[REMOVED_POINTS] = removed.points
+        grid.field_data[REMOVED_CELLS] = removed.cells
     save_grid(Path(path), grid)
 
 

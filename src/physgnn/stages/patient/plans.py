@@ -14,9 +14,8 @@ from physgnn.io.integrity.atomic import check_folder
 from physgnn.io.plans.formats import plan_named_like, read_plan, write_plan
 from physgnn.io.plans.plan import Plan
 from physgnn.io.vtk.error_fields import DEVIATION, read_error_fields
-from physgnn.io.vtk.prediction_file import read_displacement
+from physgnn.io.vtk.prediction_file import read_displacement, read_removed
 from physgnn.io.vtk.reader import read_vtk
-from physgnn.io.vtk.removed_tissue import read_removed
 from physgnn.progress import Log, no_log
 
 MOST_NAMES = 20  # of points, in one line

@@ -29,8 +29,7 @@ from physgnn.io.medical.transforms import write_field
 from physgnn.io.plans.formats import PLAN_FORMATS, plan_named_like, plan_suffix
 from physgnn.io.plans.plan import Plan
 from physgnn.io.surfaces.formats import SURFACE_READERS
-from physgnn.io.vtk.prediction_file import read_displacement
-from physgnn.io.vtk.removed_tissue import read_removed
+from physgnn.io.vtk.prediction_file import read_displacement, read_removed
 from physgnn.progress import Log, no_log
 from physgnn.stages.patient.plans import warp_plan
 
