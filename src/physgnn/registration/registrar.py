@@ -35,7 +35,7 @@ from physgnn.registration.fit import fit_of
 from physgnn.registration.inference.bounds import error_lengths, estimate_of
 from physgnn.registration.inference.rigid_offset import RigidOffset
 from physgnn.registration.inference.rows import MeasuredRows
-from physgnn.registration.inference.search import Search, combined
+from physgnn.registration.inference.search import Search
 from physgnn.registration.load_families import load_modes
 from physgnn.registration.measurements.kinds import (
     DEFAULT_NOISE_MM,
@@ -64,7 +64,8 @@ class Registration:
     covariance_mm2 : (n_points, 3, 3) array
         Of each point's error; its root trace is `deviation_mm`.
     forces : (n_points, 3) array
-        The nodal forces that explain the measurement, N; not unique.
+        The nodal forces that explain the measurement, N; not unique. Under them the
+        body lies so without any growth.
     misfit_mm : float
         Root mean square distance between measured and registered places that are no
         outliers; of a measured surface, across it.
@@ -205,7 +206,7 @@ class Registrar:
             ),
             deviation_mm=deviation,
             covariance_mm2=covariance,
-            forces=combined(self.modes.forces, search.w),
+            forces=self._respond.forces(search.u, search.w),
             misfit_mm=_rms(fit.misfit * rows.noise, kept, rows),
             held_out_mm=_rms(fit.posterior.held_out / root * rows.noise, kept, rows),
             misfits=misfits_of(measurements, rows, fit.misfit, fit.weights),
