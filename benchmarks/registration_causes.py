@@ -28,7 +28,7 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.growth_rules import GrowthIn
 from physgnn.mechanics.loads.sampling import equal_levels
 from physgnn.registration.registrar import Registrar
-from physgnn.stages.patient.resected import resected
+from physgnn.stages.patient.removed_region import resected
 from registration import HELD_MM, MATERIALS
 from shifts import EXPOSED_MM, TRUE_MATERIALS, Truth, held
 from tables import machine, table

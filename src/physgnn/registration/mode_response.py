@@ -15,6 +15,7 @@ import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.elements.growth import grown, growth_force
+from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.loads.growth import LEAST_RATIO, MOST_RATIO
 from physgnn.registration.load_families import LoadModes
 from physgnn.registration.tangent_response import Fields, TangentResponse
@@ -51,18 +52,39 @@ class ModeResponse:
         (r, n_points, 3) float32 array, (n_points, 3) array, or None
             None if a cell is inverted or the body not stable there.
         """
-        growth = self._modes.growth
+        growth, n_dead = self._modes.growth, self._n_dead
         if not len(growth):
             return self._tangent(displacement, self._modes.forces)
-        grown_by = w[len(w) - len(growth) :]
-        at_rest = self._tangent.elements
-        ratio = np.clip(1.0 + grown_by @ growth, LEAST_RATIO, MOST_RATIO)
+        at_rest, ratio = self._tangent.elements, self._ratio(w)
         forces = self._modes.forces.copy()
-        for k, change in enumerate(growth, start=len(w) - len(growth)):
+        for k, change in enumerate(growth, start=n_dead):
             forces[k] = -growth_force(at_rest, ratio, change, displacement)
         found = self._tangent(displacement, forces, grown(at_rest, ratio))
         if found is None:
             return None
         response, backward = found
-        spent = np.tensordot(grown_by, response[len(w) - len(growth) :], 1)
-        return response, backward - spent
+        return response, backward - np.tensordot(w[n_dead:], response[n_dead:], 1)
+
+    def forces(self, displacement: FloatArray, w: FloatArray) -> FloatArray:
+        """Return the dead forces under which the body lies so without growth, N.
+
+        Those of the dead modes, and what growth adds at the state: (n_points, 3).
+        """
+        dead = self._modes.forces[: self._n_dead]
+        total = np.tensordot(w[: self._n_dead], dead, 1).astype(np.float64)
+        if len(self._modes.growth):
+            at_rest = self._tangent.elements
+            before, _ = internal_force(at_rest, displacement)
+            after, _ = internal_force(grown(at_rest, self._ratio(w)), displacement)
+            total += before - after
+        return total
+
+    @property
+    def _n_dead(self) -> int:
+        return len(self._modes.forces) - len(self._modes.growth)
+
+    def _ratio(self, w: FloatArray) -> FloatArray:
+        """Return the volume ratio of every cell, within what tissue can have."""
+        ratio = 1.0 + w[self._n_dead :] @ self._modes.growth
+        found: FloatArray = np.clip(ratio, LEAST_RATIO, MOST_RATIO)
+        return found

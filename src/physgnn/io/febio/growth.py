@@ -32,7 +32,7 @@ PROPORTIONAL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class FebioPart:
     """Cells of one region that grow alike.
 
     Attributes
@@ -76,7 +76,7 @@ def check_growth(loads: Sequence[Load]) -> None:
         )
 
 
-def parts_of(mesh: TetMesh, path: LoadPath) -> list[Part]:
+def parts_of(mesh: TetMesh, path: LoadPath) -> list[FebioPart]:
     """Divide a mesh into parts: regions, and within them what grows alike.
 
     Raises
@@ -100,7 +100,9 @@ def parts_of(mesh: TetMesh, path: LoadPath) -> list[Part]:
         region, grows = int(row[0]), bool((row[1:] != 1.0).any())
         name = f"{REGION_PREFIX}{region}" + (f"{GROWN}{number + 1}" if grows else "")
         cells = np.flatnonzero(part.ravel() == number)
-        found.append(Part(name, region, cells, np.cbrt(row[1:]) if grows else None))
+        found.append(
+            FebioPart(name, region, cells, np.cbrt(row[1:]) if grows else None)
+        )
     return found
 
 
@@ -123,7 +125,7 @@ def grown_material(material: Material, element: ET.Element, curve: str) -> ET.El
     return elastic
 
 
-def curves_of(parts: Sequence[Part]) -> dict[str, str]:
+def curves_of(parts: Sequence[FebioPart]) -> dict[str, str]:
     """Return the id of the load curve of each part that grows, by the part's name."""
     grow = [part.name for part in parts if part.stretch is not None]
     return {name: str(int(CURVE) + 1 + i) for i, name in enumerate(grow)}

@@ -15,7 +15,7 @@ import numpy as np
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio.elements import AXES, CURVE, add, listed, moved_point
-from physgnn.io.febio.growth import Part, curves_of, grown_material, parts_of
+from physgnn.io.febio.growth import FebioPart, curves_of, grown_material, parts_of
 from physgnn.io.febio.load_writer import (
     KG_M3_TO_T_MM3,
     add_loads,
@@ -134,7 +134,7 @@ def _add_control(section: ET.Element, load_path: LoadPath) -> None:
 
 def _fill_material(
     element: ET.Element,
-    part: Part,
+    part: FebioPart,
     materials: Mapping[int, Material],
     density_kg_m3: float | None,
     curve: str | None,
@@ -152,7 +152,7 @@ def _fill_material(
         add(element, tag, value)
 
 
-def _add_mesh(section: ET.Element, mesh: TetMesh, parts: Sequence[Part]) -> None:
+def _add_mesh(section: ET.Element, mesh: TetMesh, parts: Sequence[FebioPart]) -> None:
     nodes = add(section, "Nodes", name="all")
     for i, point in enumerate(mesh.points.tolist(), 1):
         add(nodes, "node", listed(point), id=str(i))

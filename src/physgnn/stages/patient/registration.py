@@ -21,7 +21,7 @@ from physgnn.stages.patient.registration_report import (
     registered_case,
     write_page,
 )
-from physgnn.stages.patient.resected import resected
+from physgnn.stages.patient.removed_region import resected
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.registration.registrar import Registration
