@@ -184,6 +184,11 @@ def read_membranes(path: str | Path | None) -> Membranes:
     path : path or None
         The TOML file; None leaves all membranes out.
 
+    Returns
+    -------
+    Membranes
+        How falx and tentorium act.
+
     Raises
     ------
     InputError

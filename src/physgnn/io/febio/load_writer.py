@@ -6,7 +6,7 @@
 | `Gravity` without fluid | body force: **minus** the acceleration, and a density |
 | `SurfacePressure` | surface load ``pressure`` that follows the surface |
 | `PrescribedDisplacement` | one prescribed displacement a component |
-| `VolumeGrowth` | a material of its own: `physgnn.io.febio.growth` |
+| growth | a material of its own: `physgnn.io.febio.growth` |
 
 Source: FEBio User Manual 4, sections 3.11 (Boundary) and 3.12 (Loads). Units are mm, N,
 MPa, s, and so t/mm³ for density. FEBio 4.11 ran models of each kind; that a prescribed
