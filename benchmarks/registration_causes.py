@@ -36,7 +36,7 @@ from tables import machine, table
 N_PAIRS, NOISE_MM, LEVELS = 40, 0.75, 5
 # A brain's own weight moves it by as much as is seen only if it is softer than the
 # published one.
-SOFT = {i: NeoHookean(500.0 * (1 + 2 * i), 0.45) for i in TRUE_MATERIALS}
+SOFT = {i: NeoHookean(1500.0 * (1 + 2 * i), 0.45) for i in TRUE_MATERIALS}
 Shift = Callable[[Truth, np.random.Generator], tuple[TetMesh, FloatArray]]
 
 
