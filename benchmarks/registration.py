@@ -91,7 +91,9 @@ class Compared:
         surfaces = phantom.brain, phantom.tumours
         mesh = tetrahedralize(*surfaces, target_points=n_points)
         self.mesh = held(mesh, phantom, HELD_MM)
-        self.registrar = Registrar(Body(self.mesh, MATERIALS), skull=skull)
+        # what causes are worth is another script's: registration_causes.py
+        body = Body(self.mesh, MATERIALS)
+        self.registrar = Registrar(body, skull=skull, causes=())
         self._x, self._locate = x, _sampler(self.mesh, x)
         chosen = np.random.default_rng(0).choice(self.mesh.point_set("fixed"), N_SKULL)
         self._anchors = self.mesh.points[chosen]

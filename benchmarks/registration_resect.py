@@ -51,7 +51,7 @@ class Brain:
         nearest = outer[np.linalg.norm(outer - middle, axis=1).argmin()]
         opening = Complement(Sphere(tuple(nearest), HELD_MM))
         self.mesh = mesh.with_point_sets(fixed=select(mesh, opening))
-        self._registrar = Registrar(Body(self.mesh, MATERIALS))
+        self._registrar = Registrar(Body(self.mesh, MATERIALS), causes=())
 
     def predicted(self, kept: Landmarks, at: FloatArray, *, offset: bool) -> FloatArray:
         """Return how points move after the registration of others."""

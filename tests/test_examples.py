@@ -15,7 +15,7 @@ from physgnn.stages.datasets.simulation import simulate_mesh
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 # Without forces the one path has the loads of [[loads.more]] alone.
-BEYOND_FORCES = ("sagging", "retraction", "resection", "displacement")
+BEYOND_FORCES = ("sagging", "retraction", "resection", "displacement", "swelling")
 # The number that each example is about.
 HEADLINES: dict[str, Callable[[dict[str, float]], bool]] = {
     "01_solve_one_load": lambda of: 15 < of["largest_mm"] < 0.9 * of["linear_mm"],

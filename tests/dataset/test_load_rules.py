@@ -15,6 +15,7 @@ from physgnn.dataset.load_rules import (
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import Gravity, LoadPath
+from physgnn.mechanics.loads.growth_rules import GrowthIn
 
 DOWN = Gravity((0, 0, -2))
 
@@ -70,3 +71,29 @@ def test_with_forces_and_without(block: TetMesh) -> None:
     assert len(alone.nodes) == 0
     assert alone.load_factors.tolist() == [0.25, 0.5, 0.75, 1.0]
     assert len(alone.more) == 2
+
+
+def test_growth_of_a_region_of_a_set_and_near_a_region(block: TetMesh) -> None:
+    upper = GrowthIn(1.1, region="tumour").on(block)
+    assert np.array_equal(upper.cells, np.flatnonzero(block.region == 1))
+    assert (upper.volume_ratio == 1.1).all()
+    low = block.points[:, 2] < 4
+    inside = GrowthIn(0.95, points="low").on(
+        block.with_point_sets(low=np.flatnonzero(low))
+    )
+    assert np.array_equal(inside.cells, np.flatnonzero(low[block.cells].all(axis=1)))
+    tumour = block.points[np.unique(block.cells[block.region == 1])]
+    centres = block.points[block.cells].mean(axis=1)
+    away = np.linalg.norm(centres[:, None] - tumour, axis=2).min(axis=1)
+    brain = block.region == 0
+    half = float(np.median(away[brain]))
+    near = GrowthIn(1.05, region="brain", near="tumour", within_mm=half).on(block)
+    assert np.array_equal(near.cells, np.flatnonzero(brain & (away < half)))
+    with pytest.raises(InputError, match=r"no region 'ventricle'.*brain, tumour"):
+        GrowthIn(1.1, region="ventricle").on(block)
+    with pytest.raises(InputError, match="no cell"):
+        GrowthIn(1.1, region="brain", near="tumour", within_mm=0.01).on(block)
+    with pytest.raises(InputError, match="region, points or near"):
+        GrowthIn(1.1)
+    with pytest.raises(InputError, match=r"0\.5…2"):
+        GrowthIn(3.0, region="tumour")

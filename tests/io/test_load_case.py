@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh, boundary_points
-from physgnn.io import read_load_case, write_load_case
+from physgnn.io import read_load_case, read_load_path, write_load_case
 from physgnn.mechanics import LoadCase
 
 
@@ -106,3 +106,35 @@ def test_missing_and_binary_files(tmp_path: Path, block: TetMesh) -> None:
     (tmp_path / "load.json").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="expected text in UTF-8"):
         read_load_case(tmp_path / "load.json", block)
+
+
+def test_growth_stands_beside_forces_or_alone(tmp_path: Path, block: TetMesh) -> None:
+    swells = {"growth": [{"region": "tumour", "volume_ratio": 1.1}]}
+    alone = read_load_path(write(tmp_path, swells), block)
+    assert len(alone.nodes) == 0
+    assert np.array_equal(alone.more[0].cells, np.flatnonzero(block.region == 1))
+    force = {"nodes": [block.n_points - 1], "forces_n": [[0, 0, -1e-3]]}
+    both = write(tmp_path, {**force, **swells})
+    path = read_load_path(both, block)
+    assert len(path.nodes) == len(path.more) == 1
+    with pytest.raises(InputError, match="holds growth"):
+        read_load_case(both, block)
+
+
+@pytest.mark.parametrize(
+    ("growth", "said"),
+    [
+        ([], "list of one"),
+        ([{"volume_ratio": 1.1}], "region, points or near"),
+        ([{"region": "tumour"}], "needs volume_ratio"),
+        ([{"region": "tumour", "volume_ratio": True}], "must be a number"),
+        ([{"region": 1, "volume_ratio": 1.1}], "must be a name"),
+        ([{"region": "tumour", "volume_ratio": 9.0}], r"0\.5…2"),
+        ([{"ratio": 9.0}], "objects of volume_ratio, region"),
+    ],
+)
+def test_growth_that_cannot_be_meant(
+    tmp_path: Path, block: TetMesh, growth: Any, said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        read_load_path(write(tmp_path, {"growth": growth}), block)

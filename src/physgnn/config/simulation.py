@@ -72,6 +72,7 @@ from physgnn.dataset.membranes import Membranes
 from physgnn.dataset.presets import BRAIN_AND_TUMOUR, Preset
 from physgnn.errors import InputError
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, checked_element
+from physgnn.mechanics.loads.growth_rules import GrowthIn
 from physgnn.mechanics.loads.sampling import cone_paths
 
 POINT_SETS = ("fixed", "loaded")
@@ -161,7 +162,9 @@ class SimulationTable(ConfigTable):
     @model_validator(mode="after")
     def _uses_its_point_sets(self) -> Self:
         acted_on = [
-            r.points for r in self.loads.more if isinstance(r, PressureOn | Shift)
+            r.points
+            for r in self.loads.more
+            if isinstance(r, PressureOn | Shift | GrowthIn) and r.points is not None
         ]
         known = list(dict.fromkeys([*POINT_SETS, *acted_on]))
         for name in self.point_sets:
@@ -171,6 +174,36 @@ class SimulationTable(ConfigTable):
                     f"{', '.join(known)})"
                 )
         return self
+
+
+def read_membranes(path: str | Path | None) -> Membranes:
+    """Read only the table ``[membranes]`` of a TOML file; others may be there.
+
+    Parameters
+    ----------
+    path : path or None
+        The TOML file; None leaves all membranes out.
+
+    Returns
+    -------
+    Membranes
+        How falx and tentorium act.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, has no [membranes], or a key or value is wrong.
+    """
+    if path is None:
+        return Membranes()
+    file = read_toml(path)
+    if "membranes" not in file:
+        raise InputError(
+            f"{path}: expected a table [membranes] (got {', '.join(file)})"
+        )
+    at = ("membranes",)
+    table: MembranesTable = read_as(MembranesTable, file["membranes"], path, at=at)
+    return Membranes(**table.model_dump())
 
 
 def read_preset(path: str | Path) -> Preset:

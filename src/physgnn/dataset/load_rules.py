@@ -18,6 +18,7 @@ from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.medical.markups import read_point_pairs
 from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.growth_rules import GrowthIn
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
@@ -107,13 +108,14 @@ class MeasuredPlaces:
         return PrescribedDisplacement(nodes, total / count[:, None])
 
 
-LoadRule: TypeAlias = PressureOn | Shift | MeasuredPlaces | Gravity
+LoadRule: TypeAlias = PressureOn | Shift | MeasuredPlaces | GrowthIn | Gravity
 
 MORE_LOADS: Mapping[str, type[LoadRule]] = {
     "pressure": PressureOn,
     "gravity": Gravity,
     "displacement": Shift,
     "measured": MeasuredPlaces,
+    "growth": GrowthIn,
 }
 """Each by the ``kind`` that a file names it by."""
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from physgnn.arrays import IntArray
 from physgnn.choices import MembraneSupport
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
@@ -61,15 +62,7 @@ class Membranes:
             If the mesh lacks a membrane that is not left out, or nothing else is
             loaded.
         """
-        for name in NAMES:
-            if getattr(self, name) != MembraneSupport.LEFT_OUT and (
-                name not in mesh.point_sets
-            ):
-                raise InputError(
-                    f"the mesh has no point set '{name}' to hold or to spring: mesh a "
-                    "label map that tells left from right and cerebrum from "
-                    f"cerebellum, or leave the {name} out"
-                )
+        self.check_against(mesh)
         held = self.named(MembraneSupport.HELD)
         if not held:
             return mesh
@@ -79,14 +72,29 @@ class Membranes:
             sets["loaded"] = np.setdiff1d(mesh.point_set("loaded"), sets["fixed"])
         return mesh.with_point_sets(**sets)
 
+    def check_against(self, mesh: TetMesh) -> None:
+        """Raise InputError if the mesh lacks a membrane that is not left out."""
+        for name in NAMES:
+            if getattr(self, name) != MembraneSupport.LEFT_OUT and (
+                name not in mesh.point_sets
+            ):
+                raise InputError(
+                    f"the mesh has no point set '{name}' to hold or to spring: mesh a "
+                    "label map that tells left from right and cerebrum from "
+                    f"cerebellum, or leave the {name} out"
+                )
+
+    def points(
+        self, mesh: TetMesh, support: MembraneSupport, besides: IntArray
+    ) -> IntArray:
+        """Return the points of all membranes with a support that are not `besides`."""
+        sheets = [mesh.point_set(name) for name in self.named(support)]
+        every = np.unique(np.concatenate([np.empty(0, np.int64), *sheets]))
+        return np.setdiff1d(every, besides)
+
     def on(self, mesh: TetMesh, paths: list[LoadPath]) -> list[LoadPath]:
         """Return the load paths with the springs of elastic membranes."""
-        elastic = self.named(MembraneSupport.ELASTIC)
-        points = [
-            np.setdiff1d(mesh.point_set(name), mesh.point_set("fixed"))
-            for name in elastic
-        ]
-        sheet = np.unique(np.concatenate([np.empty(0, np.int64), *points]))
+        sheet = self.points(mesh, MembraneSupport.ELASTIC, mesh.point_set("fixed"))
         if not len(sheet):
             return paths
         springs = membrane_springs(mesh, sheet, self.stiffness_pa_per_mm)

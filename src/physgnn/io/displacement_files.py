@@ -50,6 +50,8 @@ class DisplacementFields:
         What the displacement is called.
     reasons : tuple of str
         Why it is not ok, a line each.
+    removed : TetMesh, optional
+        Tissue that was taken out of the body, at rest.
     """
 
     mesh: TetMesh
@@ -57,6 +59,7 @@ class DisplacementFields:
     grid: ImageGrid | None = None
     status: str = ""
     reasons: tuple[str, ...] = ()
+    removed: TetMesh | None = None
 
     @property
     def displacement(self) -> FloatArray:
@@ -125,7 +128,9 @@ def form_of(path: str | Path, name: str | None = None) -> FileForm:
 
 
 def _write_rest(path: Path, fields: DisplacementFields) -> None:
-    write_prediction(path, fields.mesh, fields.fields, notes=fields.notes)
+    write_prediction(
+        path, fields.mesh, fields.fields, notes=fields.notes, removed=fields.removed
+    )
 
 
 def _write_deformed(path: Path, fields: DisplacementFields) -> None:

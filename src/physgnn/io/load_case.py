@@ -4,9 +4,15 @@ Either of::
 
     {"nodes": [12, 30], "forces_n": [[0, 0, -0.2], [0, 0, -0.2]]}
     {"points": [[62.0, 129.1, 150.3]], "forces_n": [[0, 0, -1.0]]}
+
+and, beside forces or alone, tissue that swells or contracts, each a
+`physgnn.mechanics.loads.growth_rules.GrowthIn`::
+
+    {"growth": [{"near": "tumour", "within_mm": 20, "volume_ratio": 1.05}]}
 """
 
 import json
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +26,13 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.integrity.atomic import write_whole
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.text import read_json
-from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.mechanics.loads.growth import VolumeGrowth
+from physgnn.mechanics.loads.growth_rules import GrowthIn
+from physgnn.mechanics.loads.paths import LoadCase, LoadPath
 
 PLACES = ("nodes", "points")
 FORCES = "forces_n"
+GROWTH = "growth"
 # A place farther from the surface than this is not meant to be on it: about the
 # spacing of surface nodes.
 SNAP_MM = 10.0
@@ -53,12 +62,48 @@ def read_load_case(
     ------
     InputError
         If the file is no such JSON, a node is not in the mesh, a point is far from
-        the surface, or a force is not three finite numbers.
+        the surface, a force is not three finite numbers, or the file holds growth.
+    """
+    load = read_load_path(path, mesh, snap_mm=snap_mm)
+    if load.more:
+        raise InputError(
+            f"{path}: a load case is nodal forces alone, and this one holds growth: "
+            "take it out, or read it as a load path"
+        )
+    return load.case(0)
+
+
+def read_load_path(
+    path: str | Path, mesh: TetMesh, *, snap_mm: float = SNAP_MM
+) -> LoadPath:
+    """Read a load case that may hold growth, as a path of one level.
+
+    Parameters
+    ----------
+    path, mesh, snap_mm
+        As of `read_load_case`; ``growth`` may stand beside forces or alone.
+
+    Returns
+    -------
+    LoadPath
+        Nodal forces, N, and growth.
+
+    Raises
+    ------
+    InputError
+        As `read_load_case`, or if growth names tissue that the mesh lacks or a volume
+        ratio that tissue cannot have.
     """
     path = Path(path)
     content = read_json(path)
     with reading(path, "a load case"):
-        return _load_case(content, mesh, snap_mm)
+        more = _growth(content, mesh)
+        if more and set(content) == {GROWTH}:
+            return LoadPath.of(np.ones(1), *more)
+        if more:
+            content = {k: v for k, v in content.items() if k != GROWTH}
+        case = _load_case(content, mesh, snap_mm)
+        return LoadPath(case.nodes, case.forces, np.ones(1), more)
 
 
 def write_load_case(path: str | Path, case: LoadCase) -> None:
@@ -92,6 +137,30 @@ def _load_case(content: Any, mesh: TetMesh, snap_mm: float) -> LoadCase:
     case = LoadCase(nodes, forces)
     case.check_against(mesh, np.empty(0, dtype=np.int64))
     return case
+
+
+def _growth(content: Any, mesh: TetMesh) -> tuple[VolumeGrowth, ...]:
+    if not isinstance(content, dict) or GROWTH not in content:
+        return ()
+    rows = content[GROWTH]
+    if not isinstance(rows, list) or not rows:
+        raise InputError(f"{GROWTH} must be a list of one object or more (got {rows})")
+    return tuple(_rule(row).on(mesh) for row in rows)
+
+
+def _rule(row: Any) -> GrowthIn:
+    hints = {field.name: field.type for field in fields(GrowthIn)}
+    if not isinstance(row, dict) or not set(row) <= set(hints):
+        raise InputError(f"{GROWTH} must be objects of {', '.join(hints)} (got {row})")
+    for name, value in row.items():
+        number = hints[name] is float
+        # bool passes for a number in Python, but true is no volume
+        if not isinstance(value, (int, float) if number else str) or value is True:
+            kind = "a number" if number else "a name"
+            raise InputError(f"{name} of {GROWTH} must be {kind} (got {value!r})")
+    if "volume_ratio" not in row:
+        raise InputError(f"{GROWTH} needs volume_ratio: 1.05 swells by 5 %")
+    return GrowthIn(**row)
 
 
 def _snapped(

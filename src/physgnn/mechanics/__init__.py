@@ -7,6 +7,7 @@ from physgnn.mechanics.equilibrium.solver import Solver, SolverOptions, solve
 from physgnn.mechanics.kernel_cache import drop_stale_kernels
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.growth import VolumeGrowth
 from physgnn.mechanics.loads.paths import Load, LoadCase, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
@@ -39,6 +40,7 @@ __all__ = [
     "Springs",
     "Status",
     "SurfacePressure",
+    "VolumeGrowth",
     "deformation_gradient",
     "faces_within",
     "membrane_springs",

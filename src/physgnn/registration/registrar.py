@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from physgnn.arrays import BoolArray, FloatArray
+from physgnn.dataset.membranes import Membranes
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import deformation_gradient
@@ -39,7 +40,7 @@ from physgnn.registration.inference.bounds import (
     mixed_covariance,
 )
 from physgnn.registration.inference.rows import MeasuredRows
-from physgnn.registration.inference.search import Search, combined
+from physgnn.registration.inference.search import Search
 from physgnn.registration.load_families import load_modes
 from physgnn.registration.measurements.kinds import (
     DEFAULT_NOISE_MM,
@@ -50,7 +51,8 @@ from physgnn.registration.measurements.kinds import (
 )
 from physgnn.registration.measurements.observation import Measurement
 from physgnn.registration.misfits import Misfit, misfits_of
-from physgnn.registration.skull import SUPPORTS
+from physgnn.registration.mode_response import ModeResponse
+from physgnn.registration.skull import SUPPORTS, with_membranes
 from physgnn.registration.tangent_response import TangentResponse
 
 
@@ -67,7 +69,8 @@ class Registration:
     covariance_mm2 : (n_points, 3, 3) array
         Of each point's error; its root trace is `deviation_mm`.
     forces : (n_points, 3) array
-        The nodal forces that explain the measurement, N; not unique.
+        The nodal forces that explain the measurement, N; not unique. Under them the
+        body lies so without any growth.
     misfit_mm : float
         Root mean square distance between measured and registered places that are no
         outliers; of a measured surface, across it.
@@ -106,21 +109,43 @@ class Registrar:
     skull : str
         "fixed" if the points at the skull are held there, "sliding" if they may move
         along it (a row of `physgnn.registration.skull.SUPPORTS`).
+    causes : sequence of str, optional
+        Physiological causes in the prior, rows of
+        `physgnn.registration.causes.CAUSES`; by default all that the body has the sets
+        for.
+    membranes : Membranes
+        How falx and tentorium act; by default they are left out.
 
     Raises
     ------
     InputError
-        If there is no such row, or the fixed points do not hold the body.
+        If there is no such row, the fixed points do not hold the body, or the body
+        lacks a membrane or what a named cause acts on.
     """
 
-    def __init__(self, body: Body, *, skull: str = "fixed") -> None:
+    def __init__(
+        self,
+        body: Body,
+        *,
+        skull: str = "fixed",
+        causes: Sequence[str] | None = None,
+        membranes: Membranes | None = None,
+    ) -> None:
         if skull not in SUPPORTS:
             raise InputError(
                 f"skull must be one of {', '.join(SUPPORTS)} (got '{skull}')"
             )
         self.body, self.skull = body, skull
-        self.tangent = TangentResponse(body, SUPPORTS[skull](body))
-        self.modes = load_modes(body.mesh, body.fixed, self._at_rest)
+        support = with_membranes(SUPPORTS[skull](body), body, membranes or Membranes())
+        self.tangent = TangentResponse(body, support)
+        self.modes = load_modes(
+            body.mesh,
+            body.fixed,
+            self._at_rest,
+            elements=body.elements,
+            causes=causes,
+        )
+        self._respond = ModeResponse(self.tangent, self.modes)
 
     def __call__(
         self,
@@ -165,7 +190,7 @@ class Registrar:
         measurements = measurements_of(self.body, measured)
         noises = noises_of(measurements, noise_mm)
         search = Search(
-            self.tangent, self.modes, measurements, noises, with_offset=rigid_offset
+            self._respond, self.modes, measurements, noises, with_offset=rigid_offset
         )
         whole = search.linear_step() if linear else search.descend()
         fit, rows = search.fit, search.rows()
@@ -188,7 +213,7 @@ class Registrar:
             ),
             deviation_mm=deviation,
             covariance_mm2=covariance,
-            forces=combined(self.modes.forces, search.w),
+            forces=self._respond.forces(search.u, search.w),
             misfit_mm=_rms(fit.misfit * rows.noise, kept, rows),
             held_out_mm=_rms(fit.posterior.held_out / root * rows.noise, kept, rows),
             misfits=misfits_of(measurements, rows, fit.misfit, fit.weights),

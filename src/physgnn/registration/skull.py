@@ -15,12 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
+from physgnn.choices import MembraneSupport
+from physgnn.dataset.membranes import Membranes
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces, boundary_surface
 from physgnn.geometry.normals import area_vectors, vertex_normals
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import Pattern
+from physgnn.mechanics.loads.springs import membrane_springs
 
 ACROSS_MM, ALONG_MM = 0.01, 30.0
 
@@ -92,6 +95,44 @@ def sliding_support(body: Body, *, along_mm: float = ALONG_MM) -> Support:
     springs = across / ACROSS_MM + (np.eye(3) - across) / along_mm
     share = mu * point_areas(mesh)[points]
     return Support(np.empty(0, dtype=np.int64), points, share[:, None, None] * springs)
+
+
+def with_membranes(support: Support, body: Body, membranes: Membranes) -> Support:
+    """Return a support to which falx and tentorium belong, held or on springs.
+
+    Parameters
+    ----------
+    support : Support
+        Of the points at the skull; these keep it where they are of a sheet too.
+    body : Body
+        Its mesh has the point sets of the membranes that are not left out.
+    membranes : Membranes
+        How they act.
+
+    Raises
+    ------
+    InputError
+        If the mesh lacks a membrane that is not left out.
+    """
+    mesh = body.mesh
+    membranes.check_against(mesh)
+    held = membranes.points(mesh, MembraneSupport.HELD, body.fixed)
+    besides = np.union1d(body.fixed, held)
+    elastic = membranes.points(mesh, MembraneSupport.ELASTIC, besides)
+    found = Support(
+        np.union1d(support.held, held).astype(np.int64),
+        support.sprung,
+        support.stiffness,
+    )
+    if not len(elastic):
+        return found
+    springs = membrane_springs(mesh, elastic, membranes.stiffness_pa_per_mm)
+    each = springs.stiffness_n_per_mm[:, None, None] * np.eye(3)
+    return Support(
+        found.held,
+        np.concatenate([found.sprung, springs.nodes]),
+        np.concatenate([found.stiffness, each]),
+    )
 
 
 def point_areas(mesh: TetMesh) -> FloatArray:

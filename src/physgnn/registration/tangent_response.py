@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent
-from physgnn.mechanics.elements.tet4 import internal_force
+from physgnn.mechanics.elements.tet4 import Elements, internal_force
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
 from physgnn.mechanics.support import check_held
 from physgnn.registration.skull import Support
@@ -16,6 +16,8 @@ Fields = NDArray[np.float32]
 
 class TangentResponse:
     """Linear elasticity about any state, in equilibrium or not.
+
+    Its `elements` are the body's, before any growth.
 
     Parameters
     ----------
@@ -27,14 +29,17 @@ class TangentResponse:
 
     def __init__(self, body: Body, support: Support) -> None:
         check_held(body.mesh, body.fixed)  # for good, or by the skull's springs
-        self._elements = body.elements
+        self.elements = body.elements
         self._pattern = body.pattern_holding(support.held)
         self._support = support
         # Responses are kept in single precision: so may be their factor.
         self._linear = make_linear_solver(self._pattern, precision="single")
 
     def __call__(
-        self, displacement: FloatArray, forces: Fields
+        self,
+        displacement: FloatArray,
+        forces: Fields,
+        elements: Elements | None = None,
     ) -> tuple[Fields, FloatArray] | None:
         """Return the responses K(u)⁻¹ f and the step backward −K(u)⁻¹ f_int(u), mm.
 
@@ -46,17 +51,20 @@ class TangentResponse:
             u, mm.
         forces : (k, n_points, 3) array
             N.
+        elements : Elements, optional
+            As they have grown; by default those of the rest state.
 
         Returns
         -------
         (k, n_points, 3) float32 array, (n_points, 3) array, or None
             None if a cell is inverted or K(u) not positive definite.
         """
-        inner, inverted = internal_force(self._elements, displacement)
+        elements = self.elements if elements is None else elements
+        inner, inverted = internal_force(elements, displacement)
         if inverted >= 0:
             return None
         self._support.add_force(displacement, inner)
-        data, _ = assemble_tangent(self._elements, self._pattern, displacement)
+        data, _ = assemble_tangent(elements, self._pattern, displacement)
         self._support.add_tangent(self._pattern, data)
         if not self._linear.factorize(data):
             return None

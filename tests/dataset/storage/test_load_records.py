@@ -32,6 +32,7 @@ from physgnn.mechanics import (
     PrescribedDisplacement,
     Solver,
     SurfacePressure,
+    VolumeGrowth,
     faces_within,
 )
 from physgnn.mechanics.body import Body
@@ -193,3 +194,23 @@ def test_what_does_not_fit(
     with pytest.raises(InputError, match=message):
         make(block, tmp_path / "s", **changes)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_growth_is_stored_solved_resumed_and_verified(
+    block: TetMesh, tmp_path: Path
+) -> None:
+    upper = np.flatnonzero(block.region == 1)
+    swells = [LoadPath.of(FACTORS, VolumeGrowth(upper, 1.05))]
+    store = make(block, tmp_path / "s", paths=swells)
+    assert not generate(store).errors
+    store = Store.open(store.path)
+    assert (store.status == 0).all() and np.abs(store.displacement(0)).max() > 0.05
+    assert same(store.load_path(0).more[0], swells[0].more[0])
+    assert verify(store).largest_mm < 1e-4
+    body = Body(block, MATERIALS, block.point_set("fixed"), element="tet4-averaged")
+    assert Store.resume(store.path, body, swells, provenance={}).pending().size == 0
+    other = [LoadPath.of(FACTORS, VolumeGrowth(upper, 1.06))]
+    with pytest.raises(InputError, match="made for another"):
+        Store.resume(store.path, body, other, provenance={})
+    with pytest.raises(InputError, match="growth"):
+        store.load_case(0, 0)

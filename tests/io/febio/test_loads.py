@@ -17,10 +17,11 @@ from physgnn.io.febio.model_reader import read_febio
 from physgnn.io.febio.model_writer import write_febio
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.growth import VolumeGrowth
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
-from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.materials import MooneyRivlin, NeoHookean
 
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
 MESH = block_mesh(2)
@@ -274,3 +275,75 @@ def test_two_gravities_are_each_as_heavy_as_they_are(tmp_path: Path) -> None:
     for ours, theirs in zip((down, aside), found, strict=True):
         pulls = theirs.bind(mesh)(u, 1.0)
         assert np.allclose(pulls, ours.bind(mesh)(u, 1.0), rtol=1e-14, atol=0)
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_growth_comes_back_part_by_part(tmp_path: Path, force: bool) -> None:
+    """A region with two ratios and cells that do not grow: four parts in all."""
+    upper, lower = (np.flatnonzero(MESH.region == i) for i in (1, 0))
+    ratio = np.where(np.arange(len(upper)) % 2, 1.1, 0.95)
+    loads = [VolumeGrowth(upper, ratio), VolumeGrowth(lower[:5], 1.2)]
+    write(tmp_path / "a.feb", *loads, force=force)
+    root = xml(tmp_path / "a.feb")
+    kinds = [m.get("type") for m in root.findall("Material/material")]
+    assert sorted(kinds) == ["kinematic growth"] * 3 + ["neo-Hookean"]
+    model = read_febio(tmp_path / "a.feb")
+    assert np.array_equal(model.mesh.region, MESH.region)
+    assert model.materials == MATERIALS
+    np.testing.assert_allclose(model.load_path.load_factors, FACTORS, rtol=1e-12)
+    for factor in FACTORS:
+        ours, theirs = np.ones(MESH.n_cells), np.ones(MESH.n_cells)
+        for of, many in ((ours, loads), (theirs, model.load_path.more)):
+            for load in many:
+                load.multiply(of, factor)
+        np.testing.assert_allclose(theirs, ours, rtol=1e-12)
+
+
+def test_the_stretch_follows_a_curve_of_its_own(tmp_path: Path) -> None:
+    write(tmp_path / "a.feb", VolumeGrowth(np.flatnonzero(MESH.region == 1), 1.331))
+    root = xml(tmp_path / "a.feb")
+    growth = root.find("Material/material/growth")
+    assert growth is not None and growth.get("type") == "volume growth"
+    multiplier = growth.find("multiplier")
+    assert multiplier is not None and multiplier.text == "1"
+    curve = root.find(f"LoadData/load_controller[@id='{multiplier.get('lc')}']")
+    assert curve is not None
+    points = np.array([numbers(point) for point in curve.findall("points/pt")])
+    swollen = np.cbrt([1.0, 1 + 0.4 * 0.331, 1.331])
+    np.testing.assert_allclose(points, np.column_stack([[0, 1, 2], swollen]))
+
+
+def test_growth_that_febio_has_not(tmp_path: Path) -> None:
+    growth = VolumeGrowth(np.arange(3), 1.1)
+    with pytest.raises(InputError, match="growth or gravity, not both"):
+        write(tmp_path / "a.feb", growth, Gravity((0, 0, -1)))
+    big = block_mesh(3)
+    many = VolumeGrowth(np.arange(big.n_cells), np.linspace(0.9, 1.1, big.n_cells))
+    with pytest.raises(InputError, match="100 parts at most"):
+        write_febio(
+            tmp_path / "a.feb", Body(big, MATERIALS), LoadPath.of(FACTORS, many)
+        )
+    stiff = {**MATERIALS, int(MESH.region[0]): MooneyRivlin(300.0, 100.0, 2e4)}
+    with pytest.raises(InputError, match="only coupled materials grow"):
+        write_febio(tmp_path / "a.feb", Body(MESH, stiff), LoadPath.of(FACTORS, growth))
+    assert not (tmp_path / "a.feb").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("volume growth", "area growth", "of type 'volume growth'"),
+        ('<multiplier lc="2">', "<multiplier>", "a number with a load curve"),
+        ("<pt>1,1.0", "<pt>1,1.2", "in proportion"),
+    ],
+)
+def test_other_growth_is_named(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    file = tmp_path / "a.feb"
+    write(file, VolumeGrowth(np.flatnonzero(MESH.region == 1), 1.1), force=True)
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=message):
+        read_febio(file)

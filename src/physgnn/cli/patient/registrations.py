@@ -91,6 +91,27 @@ def register(
             help="Hold the fixed points fast, or let them slide along the skull."
         ),
     ] = "fixed",
+    remove: Annotated[
+        str | None,
+        typer.Option(
+            help="Take this region, such as tumour, out before: it was resected."
+        ),
+    ] = None,
+    causes: Annotated[
+        str | None,
+        typer.Option(
+            help="Expect these causes of the shift, with commas between them: gravity, "
+            "near-swelling, brain-swelling, collapse; or none. By default all that the "
+            "mesh has the regions for."
+        ),
+    ] = None,
+    membranes: Annotated[
+        Path | None,
+        typer.Option(
+            help="Hold falx and tentorium as the [membranes] table of this TOML file "
+            "says; otherwise they are left out."
+        ),
+    ] = None,
     materials: Materials = None,
     form: Form = None,
     image: Grid = None,
@@ -133,6 +154,9 @@ def register(
             whole_surface_noise_mm=whole_surface_noise_mm,
             rigid_offset=rigid_offset,
             skull=skull,
+            remove=remove,
+            causes=causes,
+            membranes=membranes,
             materials=materials,
             form=form,
             image=image,

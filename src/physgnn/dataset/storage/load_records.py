@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from physgnn.io.integrity.digest import digest_of
 from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.growth import VolumeGrowth
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure
@@ -24,6 +25,7 @@ KINDS: Mapping[str, type[Load]] = {
     "gravity": Gravity,
     "displacement": PrescribedDisplacement,
     "springs": Springs,
+    "growth": VolumeGrowth,
 }
 Arrays = Mapping[str, NDArray[Any]]
 

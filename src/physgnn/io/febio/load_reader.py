@@ -5,7 +5,7 @@ pressure that keeps the direction of rest, relative displacements, a body force 
 part of the body, or materials of several densities under a body force.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -13,8 +13,10 @@ import numpy as np
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.io.febio.elements import AXES, axis_of, floats, moved_point, named
+from physgnn.io.febio.growth import GrownPart, growth_along
 from physgnn.io.febio.load_writer import GRAVITY_MM_S2, KG_M3_TO_T_MM3, PA_TO_MPA
 from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.growth import VolumeGrowth
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure
@@ -59,8 +61,15 @@ class LoadReader:
         self._more: list[Load] = []
         self._curves: set[str | None] = set()
 
-    def path(self, times: FloatArray) -> LoadPath:
+    def path(self, times: FloatArray, grown: Sequence[GrownPart] = ()) -> LoadPath:
         """Return the loads with one level a time.
+
+        Parameters
+        ----------
+        times : (n_levels,) array
+            When the steps end.
+        grown : sequence of GrownPart
+            What swells or contracts.
 
         Raises
         ------
@@ -83,15 +92,22 @@ class LoadReader:
         for bc in self.root.findall(f"Boundary/bc[@type='{PRESCRIBED}']"):
             self._read_prescribed(bc)
         self._more += [self._gathered(name) for name in self._prescribed]
-        if len(self._curves) != 1:
+        stretches = [one.multiplier * self._curve(one.curve, times) for one in grown]
+        if len(self._curves) != 1 and (self._curves or not grown):
             raise InputError(
                 f"loads must share one load curve (got {len(self._curves)})"
             )
-        factors = self._curve(self._curves.pop() or "", times)
+        if self._curves:
+            factors = self._curve(self._curves.pop() or "", times)
+        else:
+            factors = (stretches[0] ** 3 - 1.0) / (stretches[0][-1] ** 3 - 1.0)
         largest = max(float(factors.max()), 1.0)
         nodes = np.array(list(self._loaded), dtype=np.int64)
-        more = tuple(_scaled(load, largest) for load in self._more)
-        return LoadPath(nodes, self._force[nodes] * largest, factors / largest, more)
+        factors = factors / largest
+        more = [_scaled(load, largest) for load in self._more]
+        for one, stretch in zip(grown, stretches, strict=True):
+            more.append(growth_along(one.cells, stretch, factors, one.name))
+        return LoadPath(nodes, self._force[nodes] * largest, factors, tuple(more))
 
     def set_of(self, element: ET.Element) -> IntArray:
         """Return the points of the node set that an element names."""
@@ -225,6 +241,8 @@ def _check_linear(curve: ET.Element, name: str) -> None:
 def _scaled(load: Load, factor: float) -> Load:
     """Return a load that is `factor` times as large at load factor 1."""
     match load:
+        case VolumeGrowth():
+            return VolumeGrowth(load.cells, 1.0 + factor * (load.volume_ratio - 1.0))
         case Gravity():
             return Gravity(load.direction, load.density_kg_m3 * factor)
         case SurfacePressure():

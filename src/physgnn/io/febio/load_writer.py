@@ -6,6 +6,7 @@
 | `Gravity` without fluid | body force: **minus** the acceleration, and a density |
 | `SurfacePressure` | surface load ``pressure`` that follows the surface |
 | `PrescribedDisplacement` | one prescribed displacement a component |
+| growth | a material of its own: `physgnn.io.febio.growth` |
 
 Source: FEBio User Manual 4, sections 3.11 (Boundary) and 3.12 (Loads). Units are mm, N,
 MPa, s, and so t/mm³ for density. FEBio 4.11 ran models of each kind; that a prescribed
@@ -20,6 +21,7 @@ import numpy as np
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.io.febio.elements import AXES, CURVE, add, listed, moved_point
+from physgnn.io.febio.growth import check_growth
 from physgnn.mechanics.loads.gravity import STANDARD_GRAVITY, Gravity
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
@@ -34,6 +36,7 @@ Sections = Mapping[str, ET.Element]
 
 def check_writable(loads: Sequence[Load]) -> None:
     """Raise InputError if FEBio has no such load: buoyancy by a level, springs."""
+    check_growth(loads)
     for load in loads:
         if isinstance(load, Gravity) and load.fluid_level_mm is not None:
             raise InputError(

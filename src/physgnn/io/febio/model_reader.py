@@ -16,10 +16,16 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio.elements import AXES, floats
+from physgnn.io.febio.growth import (
+    GROWN,
+    REGION_PREFIX,
+    GrownPart,
+    elastic_of,
+    is_grown,
+)
 from physgnn.io.febio.load_reader import PRESCRIBED, LoadReader
 from physgnn.io.febio.log import read_febio_log
 from physgnn.io.febio.materials import material_of
-from physgnn.io.febio.model_writer import REGION_PREFIX
 from physgnn.io.simulation import Simulation
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.xml_tree import read_xml
@@ -137,7 +143,7 @@ class _Reader:
         self.loads = LoadReader(root, self.sets, self._index, len(points))
 
     def model(self, path: Path) -> FebioModel:
-        mesh, materials = self._body()
+        mesh, materials, grown = self._body()
         steps = int(self._text("Control/time_steps"))
         if not 0 < steps <= MOST_STEPS:
             raise InputError(f"time_steps must be in 1…{MOST_STEPS} (got {steps})")
@@ -148,19 +154,20 @@ class _Reader:
             mesh=mesh,
             materials=materials,
             fixed=self._fixed(),
-            load_path=self.loads.path(times),
+            load_path=self.loads.path(times, grown),
             times=times,
             node_ids=self.node_ids,
             log=None if name is None else path.parent / name,
         )
 
-    def _body(self) -> tuple[TetMesh, dict[int, Material]]:
+    def _body(self) -> tuple[TetMesh, dict[int, Material], list[GrownPart]]:
         named = {m.attrib["name"]: m for m in self.root.findall("Material/material")}
         of_part = {
             domain.attrib["name"]: domain.attrib["mat"]
             for domain in self.root.findall("MeshDomains/SolidDomain")
         }
-        materials, ids, cells, region = {}, [], [], []
+        materials: dict[int, Material] = {}
+        ids, cells, region, part_of, grows = [], [], [], [], {}
         for number, part in enumerate(self.root.findall("Mesh/Elements")):
             name = part.attrib["name"]
             if part.get("type") != "tet4":
@@ -168,7 +175,12 @@ class _Reader:
                     f"part '{name}' must be of tet4 (got {part.get('type')})"
                 )
             label = _region(name, number)
-            materials[label] = material_of(named[of_part[name]])
+            material = named[of_part[name]]
+            if is_grown(material):
+                material, multiplier, curve = elastic_of(material)
+                grows[number] = (name, multiplier, curve)
+            materials[label] = material_of(material)
+            part_of += [number] * len(part)
             ids += [int(cell.attrib["id"]) for cell in part]
             cells += [floats(cell) for cell in part]
             region += [label] * len(part)
@@ -180,7 +192,12 @@ class _Reader:
             region=np.array(region, dtype=np.int32)[order],
             point_sets=self.sets,
         )
-        return mesh, materials
+        part_of_cell = np.array(part_of)[order]
+        grown = [
+            GrownPart(name, np.flatnonzero(part_of_cell == number), multiplier, curve)
+            for number, (name, multiplier, curve) in grows.items()
+        ]
+        return mesh, materials, grown
 
     def _fixed(self) -> IntArray:
         held = []
@@ -211,5 +228,5 @@ class _Reader:
 
 
 def _region(part: str, number: int) -> int:
-    label = part.removeprefix(REGION_PREFIX)
+    label = part.removeprefix(REGION_PREFIX).split(GROWN)[0]
     return int(label) if part != label and label.isdecimal() else number

@@ -6,16 +6,16 @@ own, which `physgnn.io.febio.log` reads. Source of the format: FEBio User Manual
 chapter 3. Units are mm, N, MPa.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio.elements import AXES, CURVE, add, listed, moved_point
+from physgnn.io.febio.growth import FebioPart, curves_of, grown_material, parts_of
 from physgnn.io.febio.load_writer import (
     KG_M3_TO_T_MM3,
     add_loads,
@@ -30,7 +30,6 @@ from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials import Material
 from physgnn.mechanics.support import check_held
 
-REGION_PREFIX = "region-"
 DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
 SECTIONS = (
     *("Module", "Control", "Material", "Mesh", "MeshDomains", "MeshData"),
@@ -99,23 +98,25 @@ def _model(body: Body, load_path: LoadPath) -> ET.Element:
     mesh = body.mesh
     root = ET.Element("febio_spec", version="4.0")
     sections = {name: add(root, name) for name in SECTIONS}
-    regions = np.unique(mesh.region).tolist()
+    parts = parts_of(mesh, load_path)
+    curves = curves_of(parts)
     sections["Module"].set("type", "solid")
     _add_control(sections["Control"], load_path)
-    _add_materials(sections["Material"], regions, body.materials, density_of(load_path))
-    _add_mesh(sections["Mesh"], mesh, regions)
-    for region in regions:
-        part = _part(region)
-        add(sections["MeshDomains"], "SolidDomain", name=part, mat=part)
+    for number, part in enumerate(parts, 1):
+        material = add(sections["Material"], "material", id=str(number), name=part.name)
+        curve = curves.get(part.name)
+        _fill_material(material, part, body.materials, density_of(load_path), curve)
+        add(sections["MeshDomains"], "SolidDomain", name=part.name, mat=part.name)
+    _add_mesh(sections["Mesh"], mesh, parts)
     add(sections["Mesh"], "NodeSet", listed((body.fixed + 1).tolist()), name="fixed")
     _add_fixed(sections["Boundary"])
     add_loads(sections, load_path)
-    _add_load_curve(sections["LoadData"], load_path.load_factors)
+    _add_load_curve(sections["LoadData"], CURVE, [0.0, *load_path.load_factors])
+    for part in parts:
+        if part.stretch is not None:
+            curve = curves[part.name]
+            _add_load_curve(sections["LoadData"], curve, [1.0, *part.stretch])
     return root
-
-
-def _part(region: int) -> str:
-    return f"{REGION_PREFIX}{region}"
 
 
 def _add_control(section: ET.Element, load_path: LoadPath) -> None:
@@ -131,34 +132,35 @@ def _add_control(section: ET.Element, load_path: LoadPath) -> None:
     add(add(solver, "qn_method", type="BFGS"), "max_ups", "0")
 
 
-def _add_materials(
-    section: ET.Element,
-    regions: list[int],
+def _fill_material(
+    element: ET.Element,
+    part: FebioPart,
     materials: Mapping[int, Material],
     density_kg_m3: float | None,
+    curve: str | None,
 ) -> None:
-    for number, region in enumerate(regions, 1):
-        if region not in materials:
-            raise InputError(f"region {region} has no material: name one for it")
-        kind, values = febio_material(materials[region])
-        material = add(
-            section, "material", id=str(number), name=_part(region), type=kind
-        )
-        if density_kg_m3 is not None:
-            add(material, "density", moved_point(density_kg_m3, KG_M3_TO_T_MM3))
-        for tag, value in values.items():
-            add(material, tag, value)
+    if part.region not in materials:
+        raise InputError(f"region {part.region} has no material: name one for it")
+    material = materials[part.region]
+    kind, values = febio_material(material)
+    element.set("type", kind)
+    if curve is not None:
+        element = grown_material(material, element, curve)
+    if density_kg_m3 is not None:
+        add(element, "density", moved_point(density_kg_m3, KG_M3_TO_T_MM3))
+    for tag, value in values.items():
+        add(element, tag, value)
 
 
-def _add_mesh(section: ET.Element, mesh: TetMesh, regions: list[int]) -> None:
+def _add_mesh(section: ET.Element, mesh: TetMesh, parts: Sequence[FebioPart]) -> None:
     nodes = add(section, "Nodes", name="all")
     for i, point in enumerate(mesh.points.tolist(), 1):
         add(nodes, "node", listed(point), id=str(i))
     corners = mesh.cells + 1
-    for region in regions:
-        part = add(section, "Elements", type="tet4", name=_part(region))
-        for cell in np.flatnonzero(mesh.region == region).tolist():
-            add(part, "elem", listed(corners[cell].tolist()), id=str(cell + 1))
+    for part in parts:
+        elements = add(section, "Elements", type="tet4", name=part.name)
+        for cell in part.cells.tolist():
+            add(elements, "elem", listed(corners[cell].tolist()), id=str(cell + 1))
 
 
 def _add_fixed(section: ET.Element) -> None:
@@ -167,13 +169,14 @@ def _add_fixed(section: ET.Element) -> None:
         add(bc, f"{axis}_dof", "1")
 
 
-def _add_load_curve(section: ET.Element, load_factors: FloatArray) -> None:
-    curve = add(section, "load_controller", id=CURVE, type="loadcurve")
+def _add_load_curve(section: ET.Element, name: str, values: list[float]) -> None:
+    """Add a curve with one point a level, the first before all loads."""
+    curve = add(section, "load_controller", id=name, type="loadcurve")
     add(curve, "interpolate", "LINEAR")
     add(curve, "extend", "CONSTANT")
     points = add(curve, "points")
-    for time, factor in enumerate([0.0, *load_factors.tolist()]):
-        add(points, "pt", f"{time},{factor!r}")
+    for time, value in enumerate(values):
+        add(points, "pt", f"{time},{float(value)!r}")
 
 
 def _add_output(root: ET.Element, log: str) -> None:

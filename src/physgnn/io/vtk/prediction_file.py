@@ -10,13 +10,21 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
+from physgnn.geometry.array_checks import checked_indices, checked_points
 from physgnn.geometry.boundary import boundary_faces, region_faces
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.untrusted.input_errors import reading
-from physgnn.io.untrusted.numbers import real_numbers
+from physgnn.io.untrusted.numbers import real_numbers, whole_numbers
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
-from physgnn.io.vtk.vtu import RAS, SPACE, add_notes, read_mesh
+from physgnn.io.vtk.vtu import (
+    RAS,
+    REMOVED_CELLS,
+    REMOVED_POINTS,
+    SPACE,
+    add_notes,
+    read_mesh,
+)
 from physgnn.io.vtk.writer import write_vtk
 from physgnn.progress import Log, no_log
 
@@ -109,6 +117,34 @@ def _stored_status(data: VtkData) -> StoredStatus:
         return StoredStatus()
     status = " ".join(map(str, fields[STATUS]))
     return StoredStatus(status, tuple(map(str, fields.get(REASONS, ()))))
+
+
+def read_removed(path: str | Path) -> TetMesh | None:
+    """Return the tissue that a resection took out, at rest; None if none was.
+
+    Parameters
+    ----------
+    path : path
+        VTU, as `physgnn register --remove` writes it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or its removed cells name points that it has not.
+    """
+    arrays = read_vtk(Path(path)).field_data
+    if REMOVED_POINTS not in arrays or REMOVED_CELLS not in arrays:
+        return None
+    with reading(Path(path), "removed tissue"):
+        points = real_numbers(arrays[REMOVED_POINTS], REMOVED_POINTS)
+        points = checked_points(points, REMOVED_POINTS)
+        cells = whole_numbers(arrays[REMOVED_CELLS], REMOVED_CELLS)
+        if cells.ndim != 2 or cells.shape[1] != 4 or not len(cells):
+            raise InputError(
+                f"'{REMOVED_CELLS}' must be cells of four points (got {cells.shape})"
+            )
+        checked_indices(cells.ravel(), len(points), REMOVED_CELLS)
+        return TetMesh(points, cells.astype(np.int32), np.ones(len(cells), np.int32))
 
 
 def write_deformed(

@@ -20,6 +20,7 @@ from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.writer import write_vtk
 
+REMOVED_POINTS, REMOVED_CELLS = "removed_points", "removed_cells"  # field data
 SET_PREFIX = "point_set:"
 TETRA, CORNERS = 10, 4  # VTK's number of linear tetrahedra, and their corners
 # Without these words 3D Slicer takes the coordinates of a model for LPS.
@@ -59,6 +60,7 @@ def write_prediction(
     fields: Mapping[str, FloatArray],
     *,
     notes: Mapping[str, Sequence[str]] | None = None,
+    removed: TetMesh | None = None,
 ) -> None:
     """Write a mesh in its rest state with fields on its points.
 
@@ -74,6 +76,9 @@ def write_prediction(
         such as ``displacement_mm``.
     notes : mapping of str to lines of text, optional
         Become field data, such as ``status`` and ``reasons``.
+    removed : TetMesh, optional
+        Tissue that a resection took out, at rest: the mesh is what is left, and this
+        stands in the field data, as points and cells of its own.
 
     Raises
     ------
@@ -91,6 +96,9 @@ def write_prediction(
             )
         grid.point_data[name] = values
     add_notes(grid, notes)
+    if removed is not None:
+        grid.field_data[REMOVED_POINTS] = removed.points
+        grid.field_data[REMOVED_CELLS] = removed.cells
     save_grid(Path(path), grid)
 
 

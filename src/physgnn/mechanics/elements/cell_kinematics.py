@@ -27,15 +27,18 @@ def deformation_gradient(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
 
 
 @njit(cache=True, inline="always")
-def kinematics(cell, gradient, u, F, H):  # type: ignore[no-untyped-def]
-    """Fill F and H = F⁻ᵀ of one cell; return J = det F (H is left if J ≤ 0)."""
+def kinematics(cell, gradient, rest, u, F, H):  # type: ignore[no-untyped-def]
+    """Fill F and H = F⁻ᵀ of one cell; return J = det F (H is left if J ≤ 0).
+
+    `rest` is the diagonal of F where u is nothing: 1, or 1/g once the cell has grown.
+    """
     o, p, q, r = cell[0], cell[1], cell[2], cell[3]
     for i in range(3):
         # Relative to the first corner, as the gradients of all four add up to nothing.
         a, b, c = u[p, i] - u[o, i], u[q, i] - u[o, i], u[r, i] - u[o, i]
         for j in range(3):
             F[i, j] = a * gradient[1, j] + b * gradient[2, j] + c * gradient[3, j]
-        F[i, i] += 1.0
+        F[i, i] += rest
     c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
     c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
     c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
@@ -53,11 +56,11 @@ def kinematics(cell, gradient, u, F, H):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def volume_changes(cells, gradients, u, J, cofactors):  # type: ignore[no-untyped-def]
+def volume_changes(cells, gradients, rest, u, J, cofactors):  # type: ignore[no-untyped-def]
     """Fill J and J F⁻ᵀ of every cell; return the first inverted cell or −1."""
     F, H = np.empty((3, 3)), np.empty((3, 3))
     for e in range(len(cells)):
-        J[e] = kinematics(cells[e], gradients[e], u, F, H)
+        J[e] = kinematics(cells[e], gradients[e], rest[e], u, F, H)
         if not J[e] > 0.0:
             return e
         for i in range(3):

@@ -21,12 +21,14 @@ BISECTIONS = 40
 
 
 @njit(cache=True)
-def _extrapolated_force(cells, gradients, volumes, law, constants, u, force):  # type: ignore[no-untyped-def]
+def _extrapolated_force(  # type: ignore[no-untyped-def]
+    cells, gradients, rest, volumes, law, constants, u, force
+):
     F, H, P = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     A, corner = np.empty((3, 3, 3, 3)), np.arange(4)
     n_inverted = 0
     for e in range(len(cells)):
-        J = kinematics(cells[e], gradients[e], u, F, H)
+        J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
         if not J > 0.0:
             n_inverted += 1
         if J > SMALLEST_J:
@@ -37,11 +39,12 @@ def _extrapolated_force(cells, gradients, volumes, law, constants, u, force):  #
             sound, bad = 0.0, 1.0
             for _ in range(BISECTIONS):
                 t = (sound + bad) / 2
-                if kinematics(corner, gradients[e], t * moved, F, H) > SMALLEST_J:
+                J = kinematics(corner, gradients[e], rest[e], t * moved, F, H)
+                if J > SMALLEST_J:
                     sound = t
                 else:
                     bad = t
-            J = kinematics(corner, gradients[e], sound * moved, F, H)
+            J = kinematics(corner, gradients[e], rest[e], sound * moved, F, H)
             table.stress(law[e], F, H, J, constants[e], P)
             table.tangent(law[e], F, H, J, constants[e], A)
             for i in range(3):
@@ -74,6 +77,7 @@ def extrapolated_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, i
     n_inverted = _extrapolated_force(
         elements.cells,
         elements.gradients,
+        elements.rest,
         elements.volumes,
         elements.law,
         elements.constants,

@@ -162,13 +162,24 @@ def _add_pressure_tangent(pJ, H, A):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _assemble(  # type: ignore[no-untyped-def]
-    cells, gradients, volumes, law, constants, pressure, u, row, slot, indptr, data
+    cells,
+    gradients,
+    rest,
+    volumes,
+    law,
+    constants,
+    pressure,
+    u,
+    row,
+    slot,
+    indptr,
+    data,
 ):
     F, H = np.empty((3, 3)), np.empty((3, 3))
     A, Ag = np.empty((3, 3, 3, 3)), np.empty((3, 3, 3))
     K = np.empty((4, 4, 3, 3))
     for e in range(len(cells)):
-        J = kinematics(cells[e], gradients[e], u, F, H)
+        J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
         if not J > 0.0:
             return e
         table.tangent(law[e], F, H, J, constants[e], A)
@@ -214,6 +225,7 @@ def assemble_tangent(
     inverted = _assemble(
         elements.cells,
         elements.gradients,
+        elements.rest,
         elements.volumes,
         elements.law,
         elements.constants,

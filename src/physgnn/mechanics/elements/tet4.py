@@ -45,6 +45,9 @@ class Elements:
     constants : (n_cells, 8) array
         The law's constants, MPa.
     n_points : int
+    rest : (n_cells,) array
+        Diagonal of F where nothing has moved: 1, or 1/g in a cell whose stress-free
+        state has grown by the stretch g (`physgnn.mechanics.elements.growth`).
     averaging : Averaging or None
         Groups that share their change of volume; the constants are then without κ.
     """
@@ -55,6 +58,7 @@ class Elements:
     law: IntArray
     constants: FloatArray
     n_points: int
+    rest: FloatArray
     averaging: Averaging | None = None
 
 
@@ -115,6 +119,7 @@ def make_elements(
         law,
         constants,
         mesh.n_points,
+        np.ones(mesh.n_cells),
         averaging,
     )
 
@@ -132,19 +137,21 @@ def _add_force(cell, gradient, volume, P, force):  # type: ignore[no-untyped-def
 
 
 @njit(cache=True)
-def _internal_force(cells, gradients, volumes, law, constants, pressure, u, force):  # type: ignore[no-untyped-def]
+def _internal_force(  # type: ignore[no-untyped-def]
+    cells, gradients, rest, volumes, law, constants, pressure, u, force
+):
     F, H, P = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     e = 0
     # The first law has a loop of its own: choosing among laws costs a sixth of it.
     while e < len(cells) and law[e] == 0 and len(pressure) == 0:
-        J = kinematics(cells[e], gradients[e], u, F, H)
+        J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
         if not J > 0.0:
             return e
         table.stress(0, F, H, J, constants[e], P)
         _add_force(cells[e], gradients[e], volumes[e], P, force)
         e += 1
     for e in range(e, len(cells)):  # noqa: B020
-        J = kinematics(cells[e], gradients[e], u, F, H)
+        J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
         if not J > 0.0:
             return e
         table.stress(law[e], F, H, J, constants[e], P)
@@ -157,11 +164,11 @@ def _internal_force(cells, gradients, volumes, law, constants, pressure, u, forc
 
 
 @njit(cache=True)
-def _strain_energy(cells, gradients, volumes, law, constants, u):  # type: ignore[no-untyped-def]
+def _strain_energy(cells, gradients, rest, volumes, law, constants, u):  # type: ignore[no-untyped-def]
     F, H = np.empty((3, 3)), np.empty((3, 3))
     total = 0.0
     for e in range(len(cells)):
-        J = kinematics(cells[e], gradients[e], u, F, H)
+        J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
         if not J > 0.0:
             return np.inf
         total += volumes[e] * table.energy(law[e], F, J, constants[e])
@@ -215,7 +222,9 @@ def mean_state(elements: Elements, u: FloatArray) -> tuple[MeanState | None, int
     assert averaging is not None
     J = np.empty(len(elements.cells))
     cofactors = np.empty((len(J), 3, 3))
-    inverted = volume_changes(elements.cells, elements.gradients, u, J, cofactors)
+    inverted = volume_changes(
+        elements.cells, elements.gradients, elements.rest, u, J, cofactors
+    )
     if inverted >= 0:
         return None, int(inverted)
     mean = mean_volume_change(J, elements.volumes, averaging.groups, averaging.volumes)
@@ -244,6 +253,7 @@ def internal_force(elements: Elements, u: FloatArray) -> tuple[FloatArray, int]:
     inverted = _internal_force(
         elements.cells,
         elements.gradients,
+        elements.rest,
         elements.volumes,
         elements.law,
         elements.constants,
@@ -261,6 +271,7 @@ def strain_energy(elements: Elements, u: FloatArray) -> float:
         _strain_energy(
             elements.cells,
             elements.gradients,
+            elements.rest,
             elements.volumes,
             elements.law,
             elements.constants,

@@ -105,12 +105,13 @@ class Newton:
         self, u: FloatArray, loading: Loading, load_factor: float
     ) -> FloatArray | None:
         """Return Newton's step; None if a cell is inverted or K(u) is singular."""
-        data, inverted = assemble_tangent(self._elements, self._pattern, u)
+        elements = loading.elements(self._elements, load_factor)
+        data, inverted = assemble_tangent(elements, self._pattern, u)
         self._pattern.add_to_diagonal(data, loading.stiffness)
         if inverted >= 0 or not self._linear.factorize(data):
             return None
         self.factorisations += 1
-        force, _ = internal_force(self._elements, u)
+        force, _ = internal_force(elements, u)
         right = self._pattern.unknowns(loading.force(u, load_factor) - force)
         return self._pattern.on_points(self._linear.solve(right))
 

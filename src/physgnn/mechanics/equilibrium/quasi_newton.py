@@ -77,7 +77,7 @@ class QuasiNewton:
 
     @property
     def elements(self) -> Elements:
-        """The body's elements."""
+        """The body's elements, before any growth."""
         return self.body.elements
 
     def __post_init__(self) -> None:
@@ -95,23 +95,29 @@ class QuasiNewton:
         """Return load − internal force of the free unknowns, and any inverted cell."""
         self.counts["residuals"] += 1
         u = self.displacement(state, load_factor)
-        force, inverted = self.force(self.elements, u)
+        elements = self.loading.elements(self.elements, load_factor)
+        force, inverted = self.force(elements, u)
         load = self.loading.force(u, load_factor)
         return (load - force)[self.pattern.free].ravel(), inverted
 
     def load_norm(self, state: FloatArray, load_factor: float) -> float:
-        """Norm of the external force, that on points put in place included, N."""
+        """Norm of all forces, of growth and on points put in place included, N."""
         u = self.displacement(state, load_factor)
-        load = self.loading.force(u, load_factor)[self.pattern.free].ravel()
+        load = self.loading.force(u, load_factor)
+        load += self.loading.growth_force(self.elements, u, load_factor)
+        load = load[self.pattern.free].ravel()
         if len(self.loading.held) == 0:
             return norm(load)
-        force, _ = internal_force(self.elements, u)
+        grown = self.loading.elements(self.elements, load_factor)
+        force, _ = internal_force(grown, u)
         return norm(np.concatenate([load, force[self.loading.held].ravel()]))
 
     def refactorize(self, state: FloatArray, load_factor: float) -> bool:
         """Factorise K(u) and forget the pairs; False if K is not positive definite."""
         data, inverted = assemble_tangent(
-            self.elements, self.pattern, self.displacement(state, load_factor)
+            self.loading.elements(self.elements, load_factor),
+            self.pattern,
+            self.displacement(state, load_factor),
         )
         if inverted >= 0:
             return False

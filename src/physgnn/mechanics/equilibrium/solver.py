@@ -137,7 +137,7 @@ def _follow(iteration: QuasiNewton, path: LoadPath, min_step: float) -> Solution
             break
         displacement[level] = iteration.displacement(found.state, target)
         norm = iteration.load_norm(found.state, target)
-        residual[level] = found.residual_norm / norm
+        residual[level] = found.residual_norm / max(norm, np.finfo(float).tiny)
     return Solution(
         displacement=displacement,
         status=status,

@@ -10,11 +10,14 @@ from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_indices, checked_numbers
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads.gravity import Gravity
+from physgnn.mechanics.loads.growth import VolumeGrowth
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure
 from physgnn.mechanics.loads.springs import Springs
 
-Load: TypeAlias = SurfacePressure | Gravity | PrescribedDisplacement | Springs
+Load: TypeAlias = (
+    SurfacePressure | Gravity | PrescribedDisplacement | Springs | VolumeGrowth
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +69,7 @@ class LoadPath:
         Dead forces at load factor 1, N.
     load_factors : (n_levels,) array
         Strictly increasing, in (0, 1].
-    more : tuple of SurfacePressure, Gravity, PrescribedDisplacement
+    more : tuple of Load
         Loads beside the nodal forces; they grow with the load factor too.
 
     Raises

@@ -65,6 +65,7 @@ def choose_variances(
     *,
     typical: float | None = None,
     known: FloatArray | None = None,
+    most: FloatArray | None = None,
 ) -> FloatArray:
     """Return the prior variance of every coefficient, equal within a family.
 
@@ -82,6 +83,8 @@ def choose_variances(
         Middle of the prior of the standard deviations; by default the size of the data.
     known : (m, q) array, optional
         Further columns, whose coefficients have variance 1.
+    most : (n_families,) array, optional
+        Largest standard deviation of each family.
     """
     size = float(np.sqrt((d**2).mean())) if typical is None else typical
     middle = np.log(max(size, noise))
@@ -95,8 +98,12 @@ def choose_variances(
         far = (log_deviations - middle) / HYPER_DEVIATION
         return total + float(far @ far) / 2, slope + far / HYPER_DEVIATION
 
-    start = np.full(int(family.max()) + 1, middle)
-    within = [(middle - FARTHEST, middle + FARTHEST)] * len(start)
+    highest = np.full(int(family.max()) + 1, middle + FARTHEST)
+    if most is not None:
+        highest = np.minimum(highest, np.log(most))
+    lowest = np.minimum(middle - FARTHEST, highest)
+    start = np.minimum(middle, highest)
+    within = list(zip(lowest, highest, strict=True))
     found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=within)
     prior: FloatArray = np.exp(2 * found.x)[family]
     return prior

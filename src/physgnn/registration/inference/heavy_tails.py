@@ -134,6 +134,7 @@ def chosen_prior(
         1.0,
         typical=max(rows.typical_mm(weights), modes.least_mm),
         known=A[:, n_chosen:] * np.sqrt(modes.known),
+        most=modes.most,
     )
     prior: FloatArray = np.concatenate([chosen, modes.known])
     return prior

@@ -15,7 +15,7 @@ Bayesian inference via coarsening", Journal of the American Statistical Associat
 2019, 1113–1125).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import logsumexp
@@ -104,7 +104,7 @@ def compared(rows: MeasuredRows, modes: Modes, weights: FloatArray) -> Compariso
     found = [
         _fitted(
             rows if len(one.variances) else alone,
-            Modes(modes.family, one.variances, modes.least_mm),
+            replace(modes, known=one.variances),
             weights,
         )
         for one in HYPOTHESES

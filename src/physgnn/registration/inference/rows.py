@@ -23,11 +23,15 @@ class Modes:
         Variances of the coefficients that follow, which are known beforehand.
     least_mm : float
         A family is not thought to be smaller than this beforehand: the noise.
+    most : (n_families,) array or None
+        Standard deviations that the chosen ones do not exceed; None where there are no
+        such.
     """
 
     family: IntArray
     known: FloatArray
     least_mm: float
+    most: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

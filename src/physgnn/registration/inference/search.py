@@ -38,7 +38,7 @@ STEP_TOLERANCE_MM = 0.01  # far below what a tracked pointer measures
 MATCHED_STEPS = 8
 WEIGHTINGS = 3  # a step
 
-Tangent = Callable[[FloatArray, Fields], tuple[Fields, FloatArray] | None]
+Tangent = Callable[[FloatArray, FloatArray], tuple[Fields, FloatArray] | None]
 
 
 class Search:
@@ -47,7 +47,8 @@ class Search:
     Parameters
     ----------
     tangent : callable
-        Responses to loads and the step backward, about any displacement.
+        From a displacement and the coefficients that go with it to the responses of
+        all modes and the step backward.
     modes : LoadModes
         What may push the body.
     measured : sequence of Measurement
@@ -71,11 +72,12 @@ class Search:
         self._measured, self._noises = measured, noises
         self._with_offset = with_offset
         self.u = np.zeros(modes.forces.shape[1:])
+        self._w_at_u = np.zeros(len(modes.family))
         self.response: Fields = modes.response
         self._backward = np.zeros_like(self.u)
         self._seen = [one.observe(self.u) for one in measured]
         known = PRIOR if with_offset else np.empty(0)
-        self._about = Modes(modes.family, known, min(noises))
+        self._about = Modes(modes.family, known, min(noises), modes.most)
         self._prior, self.fit = robust_start(self.rows(), self._about)
 
     @property
@@ -100,8 +102,8 @@ class Search:
         for count in range(MAX_STEPS):
             step = self._step()
             length = float(np.linalg.norm(step, axis=1).max())
-            step = step * min(1.0, LONGEST_STEP_MM / max(length, 1e-12))
-            if not self._advance(step, matches=count < MATCHED_STEPS):
+            part = min(1.0, LONGEST_STEP_MM / max(length, 1e-12))
+            if not self._advance(step, part, matches=count < MATCHED_STEPS):
                 return False
             if length < STEP_TOLERANCE_MM:
                 return True
@@ -147,11 +149,16 @@ class Search:
     def _step(self) -> FloatArray:
         return self._backward + combined(self.response, self.w)
 
-    def _advance(self, step: FloatArray, *, matches: bool) -> bool:
-        """Go along a step, a half, a quarter … of it, to where the body is stable."""
+    def _advance(self, step: FloatArray, part: float, *, matches: bool) -> bool:
+        """Go a part of a step, a half, a quarter … of it, to where the body is stable.
+
+        The coefficients go as far.
+        """
         for halvings in range(MAX_HALVINGS):
-            u = self.u + step / 2**halvings
-            found = self._tangent(u, self._modes.forces)
+            gone = part / 2**halvings
+            u = self.u + gone * step
+            w = self._w_at_u + gone * (self.w - self._w_at_u)
+            found = self._tangent(u, w)
             if found is None:
                 continue
             self._seen = (
@@ -159,7 +166,8 @@ class Search:
                 if matches
                 else [one.after(u - self.u) for one in self._seen]
             )
-            self.u, (self.response, self._backward) = u, found
+            self.u, self._w_at_u = u, w
+            self.response, self._backward = found
             self.fit = reweighted(
                 self.rows(), self._prior, self.fit.weights, WEIGHTINGS
             )

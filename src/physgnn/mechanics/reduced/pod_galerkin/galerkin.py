@@ -50,6 +50,7 @@ class GalerkinBody:
             elements,
             cells=place[elements.cells[used_cells]],
             gradients=elements.gradients[used_cells],
+            rest=elements.rest[used_cells],
             volumes=elements.volumes[used_cells] * weights[used_cells],
             law=elements.law[used_cells],
             constants=elements.constants[used_cells],

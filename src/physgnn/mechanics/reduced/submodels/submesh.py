@@ -96,6 +96,7 @@ def some_cells(elements: Elements, cells: BoolArray) -> Elements:
         elements,
         cells=np.ascontiguousarray(elements.cells[cells]),
         gradients=elements.gradients[cells],
+        rest=elements.rest[cells],
         volumes=elements.volumes[cells],
         law=elements.law[cells],
         constants=elements.constants[cells],

@@ -5,13 +5,15 @@ from pathlib import Path
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.imaging.no_tissue import points_within
 from physgnn.imaging.point_displacement import PointDisplacement, displacement_at
 from physgnn.imaging.reversal import reverse
 from physgnn.imaging.scattered_fields import interpolated
 from physgnn.io.plans.formats import plan_named_like, read_plan, write_plan
 from physgnn.io.plans.plan import Plan
 from physgnn.io.vtk.error_fields import DEVIATION, read_error_fields
-from physgnn.io.vtk.prediction_file import read_displacement
+from physgnn.io.vtk.prediction_file import read_displacement, read_removed
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.progress import Log, no_log
 
@@ -59,6 +61,8 @@ def warp_plan(
     n = len(plan.points)
     moved = plan.moved_to(plan.points + found.vectors[:n])
     lines = [_moved(found.vectors[:n]), *_outside(plan, found)]
+    at_rest = moved.points if back else plan.points
+    lines += _gone(plan, at_rest, found, read_removed(prediction))
     if plan.labels and n <= MOST_NAMES and not back:
         lines += _trust(prediction, plan)
     if len(middles):
@@ -91,6 +95,23 @@ def _outside(plan: Plan, found: PointDisplacement) -> list[str]:
         f"warning: outside of the brain, {what}: {_named(plan, away, which)}"
         for what, chosen in kinds.items()
         if len(which := np.flatnonzero(chosen))
+    ]
+
+
+def _gone(
+    plan: Plan, at_rest: FloatArray, found: PointDisplacement, removed: TetMesh | None
+) -> list[str]:
+    """Say which points are in tissue that was removed, and so nowhere."""
+    if removed is None:
+        return []
+    inside = points_within(removed, at_rest)
+    away = found.outside_mm[: len(at_rest)]
+    which = np.flatnonzero(inside & (away > 0))
+    if not len(which):
+        return []
+    return [
+        "warning: in tissue that was removed, with no place in the brain now: "
+        f"{_named(plan, away, which)}"
     ]
 
 

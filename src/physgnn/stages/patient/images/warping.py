@@ -15,6 +15,7 @@ from physgnn.imaging import (
     round_trip_mm,
 )
 from physgnn.imaging import warp as warped
+from physgnn.imaging.no_tissue import without_tissue
 from physgnn.imaging.reversal import reverse
 from physgnn.imaging.slices import middle_of_shift
 from physgnn.io.integrity.atomic import whole_file
@@ -28,7 +29,7 @@ from physgnn.io.medical.transforms import write_field
 from physgnn.io.plans.formats import PLAN_FORMATS, plan_named_like, plan_suffix
 from physgnn.io.plans.plan import Plan
 from physgnn.io.surfaces.formats import SURFACE_READERS
-from physgnn.io.vtk.prediction_file import read_displacement
+from physgnn.io.vtk.prediction_file import read_displacement, read_removed
 from physgnn.progress import Log, no_log
 from physgnn.stages.outputs import Output, writes
 from physgnn.stages.patient.images.plans import warp_plan
@@ -120,12 +121,17 @@ def warp(
     out = named_like(out, image)
     jacobian = None if jacobian is None else named_like(jacobian, image)
     mesh, u = read_displacement(prediction, log=log)
+    removed = read_removed(prediction)
     if back:
         mesh, u = reverse(mesh, u)
     read = read_segmentation if labels else read_image
     before = read(image, affine=affine, series=series, log=log)
     inverse = inverse_field(mesh, u, before.grid)
+    if removed is not None and not back:
+        before = without_tissue(before, removed)
     after = warped(before, inverse, interpolation=interpolation)
+    if removed is not None and back:
+        after = without_tissue(after, removed)
     write_image(out, after)
     error = round_trip_mm(forward_field(mesh, u, before.grid), inverse)
     if len(error):

@@ -4,10 +4,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from physgnn.bundled import BUNDLED_RUN
+from physgnn.errors import InputError
 from physgnn.progress import Log, no_log
 from physgnn.stages.outputs import Output, writes
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
+    from physgnn.mechanics.body import Body
+    from physgnn.mechanics.loads.paths import LoadPath
     from physgnn.prediction.prediction import Prediction
 
 
@@ -66,7 +69,7 @@ def predict(
     InputError
         If a file cannot be used, or the displacement not be written so.
     """
-    from physgnn.io import read_load_case
+    from physgnn.io import read_load_path
     from physgnn.io.displacement_files import DisplacementFields, form_of
     from physgnn.io.medical.images.formats import read_image
     from physgnn.learning.models import build_model
@@ -76,13 +79,38 @@ def predict(
     grid = None if image is None else read_image(image, affine=affine, log=log).grid
     predictor = Predictor.load(run or BUNDLED_RUN, precision=precision, warm=False)
     body = predictor.body
-    case = read_load_case(load, body.mesh)
-    prediction = predictor(case, tolerance_mm=tolerance_mm, estimate=estimate)
-    fields = {"displacement_mm": prediction.displacement}
-    if linear:
-        solution = build_model("linear", body)
-        fields["linear_displacement_mm"] = solution.predict(case)
-    fields["force_n"] = case.on_points(body.mesh.n_points)
+    path = read_load_path(load, body.mesh)
+    beside = {}
+    if path.more:
+        prediction = _of_any_load(body, path, load, tolerance_mm, linear=linear)
+    else:
+        case = path.case(0)
+        prediction = predictor(case, tolerance_mm=tolerance_mm, estimate=estimate)
+        if linear:
+            solution = build_model("linear", body)
+            beside["linear_displacement_mm"] = solution.predict(case)
+        beside["force_n"] = case.on_points(body.mesh.n_points)
+    fields = {"displacement_mm": prediction.displacement, **beside}
     said = str(prediction.status), prediction.reasons
     write(Path(out), DisplacementFields(body.mesh, fields, grid, *said))
     return prediction
+
+
+def _of_any_load(
+    body: "Body",
+    path: "LoadPath",
+    load: str | Path,
+    tolerance_mm: float | None,
+    *,
+    linear: bool,
+) -> "Prediction":
+    """Solve a load that no network was trained on, if a tolerance asks for it."""
+    from physgnn.prediction.finite_element import solve_by_finite_elements
+
+    if tolerance_mm is None or linear:
+        raise InputError(
+            f"{load}: networks were trained on nodal forces alone, and this load holds "
+            "growth: give --tolerance-mm, without --linear, and finite elements solve "
+            "it"
+        )
+    return solve_by_finite_elements(body, path, tolerance_mm=tolerance_mm)

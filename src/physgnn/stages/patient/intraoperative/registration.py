@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from physgnn.config import read_materials
+from physgnn.config import read_materials, read_membranes
 from physgnn.geometry.regions import REGIONS
 from physgnn.io import read_mesh
 from physgnn.io.displacement_files import DisplacementFields, form_of
@@ -21,6 +21,7 @@ from physgnn.stages.patient.intraoperative.registration_report import (
     registered_case,
     write_page,
 )
+from physgnn.stages.patient.intraoperative.removed_region import resected
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.registration.registrar import Registration
@@ -49,6 +50,9 @@ def register(
     whole_surface_noise_mm: float | None = None,
     rigid_offset: bool = False,
     skull: str = "fixed",
+    remove: str | None = None,
+    causes: str | None = None,
+    membranes: str | Path | None = None,
     materials: str | Path | None = None,
     form: str | None = None,
     image: str | Path | None = None,
@@ -93,6 +97,14 @@ def register(
         Correct a rigid offset of the navigation.
     skull : str
         How the skull holds the brain: see `physgnn.registration.registrar.Registrar`.
+    remove : str, optional
+        A region that was resected, by name or number, such as "tumour". The
+        displacement is then that of the rest, and the file says what is gone.
+    causes : str, optional
+        Rows of `physgnn.registration.causes.CAUSES` with commas between them, or
+        "none"; by default all that the body has the sets for.
+    membranes : path, optional
+        TOML with a table ``[membranes]``; by default falx and tentorium are left out.
     materials : path, optional
         TOML with ``[materials.<region>]`` tables; by default the tissues of the
         published work. Only ratios of stiffness matter.
@@ -115,7 +127,8 @@ def register(
     Raises
     ------
     InputError
-        If a file cannot be used, or what was measured is far from the brain.
+        If a file cannot be used, what was measured is far from the brain, or a point
+        lies in tissue that was removed.
     """
     from physgnn.registration.misfits import write_misfits
     from physgnn.registration.registrar import Registrar
@@ -132,9 +145,18 @@ def register(
         transformed_ends=transformed,
         log=log,
     )
-    case = read_mesh(mesh)
+    case, gone = read_mesh(mesh), None
+    if remove is not None:
+        resection = resected(case, remove)
+        resection.check_measured(measured)
+        case, gone = resection.remaining, resection.removed
     given = {} if materials is None else read_materials(materials)
-    registrar = Registrar(Body(case, {**DEFAULT_MATERIALS, **given}), skull=skull)
+    registrar = Registrar(
+        Body(case, {**DEFAULT_MATERIALS, **given}),
+        skull=skull,
+        causes=_named_causes(causes),
+        membranes=read_membranes(membranes),
+    )
     noises = {
         "pairs": None,
         "landmarks": landmark_noise_mm,
@@ -153,9 +175,16 @@ def register(
     }
     said = str(found.prediction.status), found.prediction.reasons
     grid = None if scan is None else scan.grid
-    write(Path(out), DisplacementFields(case, fields, grid, *said))
+    write(Path(out), DisplacementFields(case, fields, grid, *said, gone))
     if misfits is not None:
         write_misfits(misfits, found.misfits)
     if page is not None:
         write_page(page, registered_case(case, found, measured, noise_mm, scan))
     return found
+
+
+def _named_causes(causes: str | None) -> tuple[str, ...] | None:
+    """Return the causes that a text names; None takes all there are."""
+    if causes is None:
+        return None
+    return () if causes == "none" else tuple(c.strip() for c in causes.split(","))
