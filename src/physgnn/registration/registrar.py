@@ -32,6 +32,7 @@ from physgnn.prediction.prediction import ErrorBound, Prediction
 from physgnn.registration.covariances import point_covariance
 from physgnn.registration.fit import fit_of
 from physgnn.registration.inference.bounds import error_lengths, estimate_of
+from physgnn.registration.inference.continuation import Continuation, Reached
 from physgnn.registration.inference.rigid_offset import RigidOffset
 from physgnn.registration.inference.rows import MeasuredRows
 from physgnn.registration.inference.search import Search, combined
@@ -116,6 +117,7 @@ class Registrar:
         self.body, self.skull = body, skull
         self.tangent = TangentResponse(body, SUPPORTS[skull](body))
         self.modes = load_modes(body.mesh, body.fixed, self._at_rest)
+        self._reached: Reached | None = None  # of the last call, whose factor is kept
 
     def __call__(
         self,
@@ -123,6 +125,7 @@ class Registrar:
         *,
         noise_mm: Noise = DEFAULT_NOISE_MM,
         rigid_offset: bool = False,
+        after: FloatArray | None = None,
         linear: bool = False,
         coverage: float = 0.9,
         seed: int = 0,
@@ -141,6 +144,10 @@ class Registrar:
             "whole surface"), 1 mm where it is not named.
         rigid_offset : bool
             Correct a rigid offset of the navigation. It is looked for either way.
+        after : (n_points, 3) array, optional
+            The displacement of the state before, mm, where the search begins: the
+            result is the same to within a fraction of the noise, in a fraction of the
+            time (`physgnn.registration.inference.continuation`).
         linear : bool
             Stop after the first step, linear elasticity.
         coverage : float
@@ -159,10 +166,13 @@ class Registrar:
         start = time.perf_counter()
         measurements = measurements_of(self.body, measured)
         noises = noises_of(measurements, noise_mm)
-        search = Search(
-            self.tangent, self.modes, measurements, noises, with_offset=rigid_offset
+        search, whole = self._searched(
+            measurements,
+            noises,
+            with_offset=rigid_offset,
+            after=after,
+            linear=linear,
         )
-        whole = search.linear_step() if linear else search.descend()
         fit, rows, offset = search.fit, search.rows(), search.offset()
         lengths = error_lengths(fit.posterior, search.response, seed)
         kinds = [one.kind for one in measurements]
@@ -187,6 +197,40 @@ class Registrar:
             misfits=misfits_of(measurements, rows, fit.misfit, fit.weights),
             offset=offset,
         )
+
+    def _searched(
+        self,
+        measured: Sequence[Measurement],
+        noises: Sequence[float],
+        *,
+        with_offset: bool,
+        after: FloatArray | None,
+        linear: bool,
+    ) -> tuple[Search, bool]:
+        """Return a search that has ended, and whether it came to rest."""
+        given = self.tangent, self.modes, measured, noises
+        start = None if after is None or linear else self._at(after)
+        self._reached = None
+        if start is not None:
+            search: Search = Continuation(*given, start=start, with_offset=with_offset)
+            if search.descend():
+                self._reached = Reached(search.u, search.response)
+                return search, True
+        search = Search(*given, with_offset=with_offset)
+        if linear:
+            return search, search.linear_step()
+        whole = search.descend()
+        if whole:
+            self._reached = Reached(search.u, search.response)
+        return search, whole
+
+    def _at(self, displacement: FloatArray) -> Reached | None:
+        """Return the state with this displacement; None if the body is not stable."""
+        last = self._reached
+        if last is not None and np.array_equal(last.displacement, displacement):
+            return last
+        found = self.tangent(displacement, self.modes.forces)
+        return None if found is None else Reached(displacement, found[0])
 
     def _verdict(
         self,
