@@ -25,10 +25,11 @@ from physgnn.io.medical.markups import POINT_READERS
 from physgnn.io.surfaces.formats import SURFACE_READERS
 from physgnn.stages.patient.adaptation import adapt
 from physgnn.stages.patient.case_file import case_text, craniotomy_at
+from physgnn.stages.patient.register_state import ready_registrar
 from physgnn.stages.patient.registration import register
 
 if TYPE_CHECKING:
-    from physgnn.registration.registrar import Registration
+    from physgnn.registration.registrar import Registrar, Registration
     from physgnn.serving.patient.desk import Opening, PointMisfit, RegisteredShift
 
 ROLES: Mapping[str, tuple[str, str]] = {
@@ -74,6 +75,7 @@ class CaseDesk:
         if self._folder is not None and not self._folder.is_dir():
             raise InputError(f"--save must name a folder that is there (got {folder})")
         self._count = 0  # of runs
+        self._ready: Registrar | None = None  # of the mesh, held as it is
         self._mesh = read_mesh(case)
         self._surface = boundary_surface(self._mesh)
         self._cortex = self._surface.points[np.unique(self._surface.faces)]
@@ -186,8 +188,14 @@ class CaseDesk:
             roles = ", ".join(self.roles[role] for role in files)
             raise InputError(f"give pairs, or points before and after (got {roles})")
         notes: list[str] = []
+        self._ready = self._ready or ready_registrar(self._mesh_file)
         found = register(
-            self._mesh_file, out, noise_mm=noise_mm, log=notes.append, **given
+            self._mesh_file,
+            out,
+            noise_mm=noise_mm,
+            registrar=self._ready,
+            log=notes.append,
+            **given,
         )
         return RegisteredShift(
             prediction=found.prediction,
@@ -228,6 +236,7 @@ class CaseDesk:
         file = Path(self._scratch.name) / MESH
         write_mesh(file, mesh)
         self._mesh, self._mesh_file, self._text = mesh, file, opening.text
+        self._ready = None
 
     def _keep_mesh(self) -> list[str]:
         """Keep the mesh where its point sets are not those of the case."""

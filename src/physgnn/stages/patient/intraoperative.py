@@ -99,8 +99,8 @@ def _brain_in(
     path: Path, image: Image, how: ScanOptions, log: Log
 ) -> tuple[LabelVolume, BoolArray, ImageGrid]:
     """Return labels to draw, and the brain, filled, on a grid around it."""
+    from physgnn.segmentation import scan_labels
     from physgnn.segmentation.scan_checks import is_label_map
-    from physgnn.segmentation.scan_labels import SegmentOptions, segment
 
     if is_label_map(np.asarray(image.data)):
         given = read_segmentation(path, log=log)
@@ -112,11 +112,11 @@ def _brain_in(
             masks = tissue_masks(given, label_table(_all_brain(name, present)))
         drawn = (given.data != 0).astype(np.int32)
         return LabelVolume(drawn, given.affine), masks.brain, masks.grid
-    options = SegmentOptions(
+    options = scan_labels.SegmentOptions(
         how.backend, how.contrast, ventricles=False, any_size=how.any_size
     )
     with reading(path, "an MR scan of a head"):
-        found = segment(image, options, log=log)
+        found = scan_labels.segment(image, options, log=log)
         masks = tissue_masks(found, label_table("segment"))
     return found, masks.brain, masks.grid
 

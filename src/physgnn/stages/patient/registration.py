@@ -89,7 +89,8 @@ def register(
     mesh : path
         VTU with the point set of the skull.
     out : path
-        Where the displacement goes; `physgnn warp` takes a VTU. Of a series, the folder.
+        Where the displacement goes; `physgnn warp` takes a VTU. Of a series, its
+        folder.
     points, target : path
         Points of the surface before and after: see
         `physgnn.io.medical.markups.read_point_pairs`.
@@ -148,8 +149,8 @@ def register(
     Returns
     -------
     Registration
-        The displacement that was written, mm, with its deviation, bound and status. Of a
-        series, a tuple of `StateResult`, one a state.
+        The displacement that was written, mm, with its deviation, bound and status. Of
+        a series, a tuple of `StateResult`, one a state.
 
     Raises
     ------

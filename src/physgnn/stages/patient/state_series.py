@@ -1,8 +1,8 @@
 """The states of an operation, registered one after the other into a folder.
 
 Each has its displacement, ``NAME.vtu``, and its misfits, ``NAME-misfits.csv``;
-``results.csv`` has a row a state, ``series.pvd`` is what ParaView opens. What is done is
-in ``states.json``, with the digest of all that it was made from.
+``results.csv`` has a row a state, ``series.pvd`` is what ParaView opens. What is done
+is in ``states.json``, with the digest of all that it was made from.
 """
 
 import csv
