@@ -77,7 +77,7 @@ class HowToRegister:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class RegisteredState:
     """A registered state.
 
     Attributes
@@ -152,7 +152,7 @@ def register_state(
     after: FloatArray | None = None,
     picture: Path | None = None,
     log: Log = no_log,
-) -> State:
+) -> RegisteredState:
     """Find the displacement that one state's files tell of.
 
     Parameters
@@ -189,7 +189,7 @@ def register_state(
     )
     for one in found.outliers:
         log(f"outlier, {one}, weight {one.weight:.2f}")
-    return State(found, measured)
+    return RegisteredState(found, measured)
 
 
 def write_state(

@@ -24,7 +24,7 @@ from physgnn.stages.patient.registration_report import (
     write_page,
 )
 from physgnn.stages.patient.state_series import (
-    Patient,
+    PatientBody,
     StateResult,
     register_states,
 )
@@ -211,14 +211,14 @@ def _patient(
     skull: str,
     materials: str | Path | None,
     ready: "Registrar | None",
-) -> Patient:
+) -> PatientBody:
     """Return whose states are registered; load modes are made when they are needed."""
     from physgnn.registration.registrar import Registrar
 
     if ready is not None:
-        return Patient(ready.body, ready.skull, lambda: ready)
+        return PatientBody(ready.body, ready.skull, lambda: ready)
     body = body_of(mesh, materials)
-    return Patient(body, skull, lambda: Registrar(body, skull=skull))
+    return PatientBody(body, skull, lambda: Registrar(body, skull=skull))
 
 
 def _refuse(**options: object) -> None:

@@ -73,7 +73,7 @@ class StateResult:
 
 
 @dataclass(frozen=True, eq=False)
-class Patient:
+class PatientBody:
     """Who is registered.
 
     Attributes
@@ -92,7 +92,7 @@ class Patient:
 
 
 def register_states(
-    patient: Patient,
+    patient: PatientBody,
     states: Sequence[StateRow],
     out: Path,
     how: HowToRegister,
@@ -105,7 +105,7 @@ def register_states(
 
     Parameters
     ----------
-    patient : Patient
+    patient : PatientBody
         Whose.
     states : sequence of StateRow
         In order.
@@ -140,7 +140,7 @@ class _Series:
     """A folder of states: what is done, and where the last one ended."""
 
     def __init__(
-        self, patient: Patient, out: Path, how: HowToRegister, log: Log
+        self, patient: PatientBody, out: Path, how: HowToRegister, log: Log
     ) -> None:
         self._patient, self._out, self._how, self._log = patient, out, how, log
         self._registrar: Registrar | None = None
