@@ -141,11 +141,21 @@ class LoadsTable(ConfigTable):
         return partial(bounded, paths=paths, n_paths=n_paths, n_levels=self.levels)
 
 
+def _support_of(value: Any) -> MembraneSupport:
+    """Return the support of a name; a table's values are taken strictly."""
+    if value not in list(MembraneSupport):
+        raise InputError(f"must be one of {', '.join(MembraneSupport)} (got '{value}')")
+    return MembraneSupport(value)
+
+
+SUPPORT = Annotated[MembraneSupport, BeforeValidator(_support_of)]
+
+
 class MembranesTable(ConfigTable):
     """The ``[membranes]`` table: see `physgnn.dataset.membranes.Membranes`."""
 
-    falx: MembraneSupport = MembraneSupport.LEFT_OUT
-    tentorium: MembraneSupport = MembraneSupport.LEFT_OUT
+    falx: SUPPORT = MembraneSupport.LEFT_OUT
+    tentorium: SUPPORT = MembraneSupport.LEFT_OUT
     stiffness_pa_per_mm: float = Field(default=1000.0, gt=0)
 
 

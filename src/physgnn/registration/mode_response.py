@@ -65,6 +65,35 @@ class ModeResponse:
         response, backward = found
         return response, backward - np.tensordot(w[n_dead:], response[n_dead:], 1)
 
+    def backward(
+        self, displacement: FloatArray, w: FloatArray, response: Fields
+    ) -> FloatArray | None:
+        """Return the step backward by the tangent that was factorised last, mm.
+
+        Parameters
+        ----------
+        displacement : (n_points, 3) array
+            u, mm.
+        w : (r,) array
+            The coefficients that go with it.
+        response : (r, n_points, 3) array
+            Of every mode by that tangent.
+
+        Returns
+        -------
+        (n_points, 3) array or None
+            None if a cell is inverted.
+        """
+        if not len(self._modes.growth):
+            return self._tangent.backward(displacement)
+        elements = grown(self._tangent.elements, self._ratio(w))
+        found = self._tangent.backward(displacement, elements)
+        if found is None:
+            return None
+        n_dead = self._n_dead
+        moved: FloatArray = found - np.tensordot(w[n_dead:], response[n_dead:], 1)
+        return moved
+
     def forces(self, displacement: FloatArray, w: FloatArray) -> FloatArray:
         """Return the dead forces under which the body lies so without growth, N.
 

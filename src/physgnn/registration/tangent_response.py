@@ -68,6 +68,35 @@ class TangentResponse:
         self._support.add_tangent(self._pattern, data)
         if not self._linear.factorize(data):
             return None
-        right = self._pattern.unknowns(np.concatenate([forces, -inner[None]]))
-        moved = self._pattern.on_points(self._linear.solve(right))
+        # in single precision, as the factor: hundreds of fields take their time
+        loads = np.concatenate([forces, -inner[None].astype(np.float32)])
+        moved = self._pattern.on_points(
+            self._linear.solve(self._pattern.unknowns(loads))
+        )
         return moved[:-1].astype(np.float32), moved[-1]
+
+    def backward(
+        self, displacement: FloatArray, elements: Elements | None = None
+    ) -> FloatArray | None:
+        """Return the step backward by the tangent that was factorised last, mm.
+
+        Parameters
+        ----------
+        displacement : (n_points, 3) array
+            u, mm.
+        elements : Elements, optional
+            As they have grown; by default those of the rest state.
+
+        Returns
+        -------
+        (n_points, 3) array or None
+            −K⁻¹ f_int(u), K of another state; None if a cell is inverted.
+        """
+        grown = self.elements if elements is None else elements
+        inner, inverted = internal_force(grown, displacement)
+        if inverted >= 0:
+            return None
+        self._support.add_force(displacement, inner)
+        right = self._pattern.unknowns(-inner[None])
+        moved: FloatArray = self._pattern.on_points(self._linear.solve(right))[0]
+        return moved

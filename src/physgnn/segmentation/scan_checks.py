@@ -50,14 +50,27 @@ def check_scan(image: Image, *, any_size: bool = False) -> None:
     _check_no_labels(data)
 
 
-def _check_no_labels(data: NDArray[np.generic]) -> None:
+def is_label_map(data: NDArray[np.generic]) -> bool:
+    """Return whether values are those of a label map and not a scan's."""
+    values, alike = _values_and_likeness(data)
+    whole = bool((values == np.rint(values)).all())
+    return len(values) <= FEW_VALUES or (whole and alike > ALIKE)
+
+
+def _values_and_likeness(
+    data: NDArray[np.generic],
+) -> tuple[NDArray[np.generic], float]:
+    """Return the values there are, and how many neighbours are alike."""
     some = data[tuple(slice(None, None, 2) for _ in range(3))]
-    values = np.unique(some)
     first, second = data[:-1], data[1:]
     both = (first != 0) & (second != 0)
     alike = float((first == second)[both].mean()) if both.any() else 1.0
-    whole = bool((values == np.rint(values)).all())
-    if len(values) <= FEW_VALUES or (whole and alike > ALIKE):
+    return np.unique(some), alike
+
+
+def _check_no_labels(data: NDArray[np.generic]) -> None:
+    if is_label_map(data):
+        values, alike = _values_and_likeness(data)
         raise InputError(
             "a scan must have grey values (this looks like a label map: "
             f"{len(values)} values, {alike:.0%} of neighbouring voxels alike): mesh it "

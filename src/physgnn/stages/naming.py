@@ -2,8 +2,8 @@
 
 A function has the command's name, dashes written as underscores, but for ``import``,
 which Python keeps for itself. An option's name is the argument's in the same way, but
-for those in `OPTIONS`. Beside these a function may take what a terminal shows:
-`CALLBACKS`.
+for those in `OPTIONS`. Beside these a function may take what a terminal shows,
+or what only Python can hand over: `CALLBACKS`.
 """
 
 from collections.abc import Mapping
@@ -18,5 +18,5 @@ COMMANDS: Mapping[str, str] = {
 """Command → function of `physgnn.stages`."""
 OPTIONS: Mapping[str, str] = {"as": "form", "from": "start"}
 """Option → argument, where the option's name is a keyword of Python."""
-CALLBACKS = frozenset({"log", "progress", "show"})
-"""Arguments without option: called with what a terminal shows."""
+CALLBACKS = frozenset({"log", "progress", "registrar", "show"})
+"""Arguments without option: called with what a terminal shows, or ready in Python."""

@@ -29,6 +29,8 @@ class Output:
         How the names of its files end; by default the stage itself says.
     is_folder : bool
         Whether it is a folder, which may be there already, or is made.
+    folder_with : str
+        An argument with which it is a folder instead of a file.
     like : str
         The argument that is the image or plan whose format a name without suffix gets.
     inside : tuple of str
@@ -38,6 +40,7 @@ class Output:
 
     suffixes: tuple[str, ...] = ()
     is_folder: bool = False
+    folder_with: str = ""
     like: str = ""
     inside: tuple[str, ...] = ()
 
@@ -98,7 +101,10 @@ def check_outputs(given: Paths, outputs: Mapping[str, Output]) -> None:
         for path in _named(given, name, output):
             option = f"--{name.replace('_', '-')}"
             _check_apart(option, path, read, output)
-            _check_kind(option, path, output)
+            if given.get(output.folder_with):
+                _check_folder(option, path)
+            else:
+                _check_kind(option, path, output)
             # names that differ in case alone are one file on some systems
             place = str(path.resolve()).casefold()
             if place in taken:

@@ -1,16 +1,18 @@
 """The command that begins with what was measured in the operating theatre."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from physgnn import choices, stages
-from physgnn.cli.console import conclude, say, working
+from physgnn.cli.console import NOT_USABLE, conclude, say, working
 from physgnn.cli.options import AffineOption, Displacement, Form, Grid, Materials
 
 if TYPE_CHECKING:  # torch takes seconds to import
     from physgnn.registration.registrar import Registration
+    from physgnn.stages.patient.intraoperative.state_series import StateResult
 
 Noise = Annotated[
     float | None, typer.Option(help="Of these; by default that of --noise-mm.")
@@ -57,6 +59,22 @@ def register(
         Path | None,
         typer.Option(help="The whole surface of the brain after the shift, a mesh."),
     ] = None,
+    intraoperative: Annotated[
+        Path | None,
+        typer.Option(
+            help="An MR scan of the head after the shift, whose brain is segmented and "
+            "taken as the whole surface; or a label map of it."
+        ),
+    ] = None,
+    series: Annotated[
+        Path | None,
+        typer.Option(
+            help="Register the states of this table, CSV, one after the other: columns "
+            "name or time, and points, target, landmarks, landmarks_target, surface, "
+            "whole_surface, intraoperative or initial_transform. The result is a "
+            "folder."
+        ),
+    ] = None,
     initial_transform: Annotated[
         Path | None,
         typer.Option(
@@ -85,6 +103,29 @@ def register(
             "--rigid-offset", help="Correct a rigid offset of the navigation."
         ),
     ] = False,
+    backend: Annotated[
+        choices.BrainBackend,
+        typer.Option(help="Find the brain in an intraoperative scan by this program."),
+    ] = "auto",
+    contrast: Annotated[
+        choices.Contrast,
+        typer.Option(help="Say which contrast the intraoperative scan has."),
+    ] = "t1",
+    any_size: Annotated[
+        bool,
+        typer.Option(
+            "--any-size",
+            help="Accept a brain of less than 50 or more than 2500 ml in it, such as a "
+            "phantom.",
+        ),
+    ] = False,
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            help="Draw the outline of the intraoperative brain to this PNG file "
+            "instead of one beside the result."
+        ),
+    ] = None,
     skull: Annotated[
         choices.Skull,
         typer.Option(
@@ -134,10 +175,11 @@ def register(
 ) -> None:
     """Find the whole displacement from everything that was measured.
 
-    The exit code is 3 if the displacement that is written is not ok.
+    The exit code is 3 if the displacement that is written is not ok, or a state of a
+    series failed. Call a series again to resume it.
     """
     with working("registering"):
-        found = stages.register(
+        found: Any = stages.register(
             mesh,
             out,
             points=points,
@@ -146,6 +188,8 @@ def register(
             landmarks_target=landmarks_target,
             surface=surface,
             whole_surface=whole_surface,
+            intraoperative=intraoperative,
+            series=series,
             initial_transform=initial_transform,
             transformed=transformed,
             noise_mm=noise_mm,
@@ -153,6 +197,10 @@ def register(
             surface_noise_mm=surface_noise_mm,
             whole_surface_noise_mm=whole_surface_noise_mm,
             rigid_offset=rigid_offset,
+            backend=backend,
+            contrast=contrast,
+            any_size=any_size,
+            picture=picture,
             skull=skull,
             remove=remove,
             causes=causes,
@@ -165,8 +213,24 @@ def register(
             report=report,
             log=say,
         )
+    if series is not None:
+        _conclude_series(out, found)
+        return
     print(f"{out}: {_summary(found)}")
     conclude(found.prediction.status, found.prediction.reasons)
+
+
+def _conclude_series(out: Path, states: "Sequence[StateResult]") -> None:
+    """Print how each state fared; exit code 3 if one is not ok."""
+    for state in states:
+        moved = state.figures.get("largest_mm")
+        shown = "" if moved is None else f"; moves by {moved} mm"
+        why = f": {state.reason}" if state.reason else ""
+        print(f"{state.name}  {state.outcome}{why}{shown}")
+    good = sum(state.outcome == "ok" for state in states)
+    print(f"{out / 'series.pvd'}: {good} of {len(states)} states ok")
+    if good < len(states):
+        raise typer.Exit(NOT_USABLE)
 
 
 def _summary(found: "Registration") -> str:

@@ -5,7 +5,7 @@ that of a Gaussian regression, and the new u follows (Gauss–Newton on both tog
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,6 +37,26 @@ STEP_TOLERANCE_MM = 0.01  # far below what a tracked pointer measures
 # decides, a change of 1e-6 mm in what was measured can be a change of a step.
 MATCHED_STEPS = 8
 WEIGHTINGS = 3  # a step
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """Where a search ended; its tangent is the one that was factorised last.
+
+    Attributes
+    ----------
+    displacement : (n_points, 3) array
+        u, mm.
+    coefficients : (r,) array
+        Those that go with it.
+    response : (r, n_points, 3) array
+        What each load mode does by that tangent, mm.
+    """
+
+    displacement: FloatArray
+    coefficients: FloatArray
+    response: Fields
+
 
 Tangent = Callable[[FloatArray, FloatArray], tuple[Fields, FloatArray] | None]
 
@@ -72,7 +92,7 @@ class Search:
         self._measured, self._noises = measured, noises
         self._with_offset = with_offset
         self.u = np.zeros(modes.forces.shape[1:])
-        self._w_at_u = np.zeros(len(modes.family))
+        self.w_at_u = np.zeros(len(modes.family))
         self.response: Fields = modes.response
         self._backward = np.zeros_like(self.u)
         self._seen = [one.observe(self.u) for one in measured]
@@ -84,6 +104,11 @@ class Search:
     def w(self) -> FloatArray:
         """The coefficients that go with `u` when the search has ended."""
         return self.fit.posterior.mean[: len(self._modes.family)]
+
+    @property
+    def reached(self) -> Reached:
+        """Where the search is."""
+        return Reached(self.u, self.w_at_u, self.response)
 
     def rows(self) -> MeasuredRows:
         """Return everything measured, linearised about `u`."""
@@ -157,7 +182,7 @@ class Search:
         for halvings in range(MAX_HALVINGS):
             gone = part / 2**halvings
             u = self.u + gone * step
-            w = self._w_at_u + gone * (self.w - self._w_at_u)
+            w = self.w_at_u + gone * (self.w - self.w_at_u)
             found = self._tangent(u, w)
             if found is None:
                 continue
@@ -166,7 +191,7 @@ class Search:
                 if matches
                 else [one.after(u - self.u) for one in self._seen]
             )
-            self.u, self._w_at_u = u, w
+            self.u, self.w_at_u = u, w
             self.response, self._backward = found
             self.fit = reweighted(
                 self.rows(), self._prior, self.fit.weights, WEIGHTINGS

@@ -1,20 +1,17 @@
 """A CSV of patients: rows are patients, columns are options of the stages."""
 
-import csv
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from physgnn.errors import InputError
+from physgnn.io.untrusted.csv_rows import SAFE_NAME, checked_cells, csv_rows
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.text import read_text
 from physgnn.stages.cohort.columns import CASE, NAME, columns_of, find_column
 from physgnn.stages.cohort.step_table import steps
 
 RESULTS = "results.csv"
-# A name becomes a folder, on every system.
-SAFE_NAME = re.compile(r"[\w][\w .+-]{0,99}(?<![ .])")
 
 
 @dataclass(frozen=True)
@@ -64,13 +61,7 @@ def read_patients(path: str | Path) -> list[Patient]:
 
 def _rows(text: str) -> dict[int, list[str]]:
     """Return the cells of every line that has some, by its number."""
-    header = next((line for line in text.splitlines() if line.strip()), "")
-    delimiter = ";" if ";" in header and "," not in header else ","
-    reader = csv.reader(text.splitlines(keepends=True), delimiter=delimiter)
-    found = {}
-    for row in reader:
-        if any(row):
-            found[reader.line_num] = [cell.strip() for cell in row]
+    found = csv_rows(text)
     if len(found) < 2:
         raise InputError("expected a header and a line for each patient")
     return found
@@ -92,12 +83,7 @@ def _columns(header: list[str]) -> list[str]:
 
 
 def _patient(line: int, row: list[str], names: list[str]) -> Patient:
-    if len(row) > len(names):
-        raise InputError(
-            f"line {line}: {len(row)} cells under {len(names)} columns: put a cell "
-            "that holds a comma in quotation marks"
-        )
-    cells = {name: cell for name, cell in zip(names, row, strict=False) if cell}
+    cells = checked_cells(line, row, names)
     name = cells.pop(NAME, "")
     if not SAFE_NAME.fullmatch(name) or name.lower() == RESULTS:
         raise InputError(

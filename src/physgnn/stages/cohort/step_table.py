@@ -126,7 +126,7 @@ ROWS = (
         "shift",
         "shift.vtu",
         takes={"mesh": "case"},
-        writes={"form": None, "image": None},
+        writes={"form": None, "image": None, "series": None, "picture": None},
         figures=_of_registration,
     ),
     Step(

@@ -13,7 +13,9 @@ from physgnn.dataset import Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh
+from physgnn.prediction.predictor import Predictor
 from physgnn.stages.datasets.simulation import simulate
+from physgnn.stages.patient.preoperative.adaptation import adapt
 from physgnn.stages.patient.preoperative.case_file import init
 
 
@@ -123,3 +125,56 @@ def _read(case: Path) -> TetMesh:
     from physgnn.io import read_mesh
 
     return read_mesh(case)
+
+
+def with_sheets(case: Path) -> TetMesh:
+    """The cube with a falx in its middle and a tentorium across."""
+    mesh = _read(case)
+    x, y, z = mesh.points.T
+    sheets = {
+        "falx": np.flatnonzero((x == 40) & (z > 30) & (z < 80)),
+        "tentorium": np.flatnonzero((z == 30) & (y < 40) & (y > 0)),
+    }
+    mesh = mesh.with_point_sets(**sheets)
+    write_mesh(case, mesh)
+    return mesh
+
+
+def test_sheets_of_the_mesh_are_a_table_that_runs_as_it_is(case: Path) -> None:
+    out = case.with_name("case.toml")
+    init(case, out, radius_mm=20.0)
+    assert "[membranes]" not in out.read_text()
+    without = read_preset(out).on(_read(case))[0].point_set("fixed")
+    mesh = with_sheets(case)
+    init(case, out, radius_mm=20.0)
+    text = out.read_text()
+    assert 'falx = "left-out"' in text and 'tentorium = "left-out"' in text
+    for choice in ('"elastic"', '"held"', "stiffness_pa_per_mm"):
+        assert choice in text
+    as_it_is, _ = read_preset(out).on(mesh)
+    np.testing.assert_array_equal(as_it_is.point_set("fixed"), without)
+    out.write_text(text.replace('falx = "left-out"', 'falx = "held"'))
+    held, _ = read_preset(out).on(mesh)
+    expected = np.union1d(without, mesh.point_set("falx"))
+    np.testing.assert_array_equal(held.point_set("fixed"), expected)
+    out.write_text(text.replace('tentorium = "left-out"', 'tentorium = "elastic"'))
+    _, paths = read_preset(out).on(mesh)
+    assert all(len(path.more) == 1 for path in paths)
+
+
+def test_adapt_takes_the_file_with_the_falx_held(case: Path) -> None:
+    body = block_mesh(4, side=80.0)
+    falx = np.flatnonzero((body.points[:, 0] == 40) & (body.points[:, 2] == 40))
+    sheets = TetMesh(body.points, body.cells, np.zeros_like(body.region))
+    mesh, out = sheets.with_point_sets(falx=falx), case.with_name("case.toml")
+    write_mesh(case, mesh)
+    top = point(case.parent, (40.0, 40.0, 80.0), system="RAS")
+    init(case, out, craniotomy=top, radius_mm=30.0)
+    text = out.read_text().replace('falx = "left-out"', 'falx = "held"')
+    out.write_text(text.replace("paths = 20", "paths = 3"))
+    made = adapt(None, case, case.with_name("run"), loads=out)
+    assert made.n_points == mesh.n_points and made.coverage
+    network = Predictor.load(case.with_name("run"))
+    held = read_preset(out).on(mesh)[0].point_set("fixed")
+    np.testing.assert_array_equal(network.body.fixed, held)
+    assert np.isin(falx, held).all()

@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -23,12 +23,13 @@ from physgnn.io.integrity.atomic import whole_file, write_whole
 from physgnn.io.medical.markups import POINT_READERS
 from physgnn.io.surfaces.formats import SURFACE_READERS
 from physgnn.scratch import scratch_folder
+from physgnn.stages.patient.intraoperative.register_state import ready_registrar
 from physgnn.stages.patient.intraoperative.registration import register
 from physgnn.stages.patient.preoperative.adaptation import adapt
 from physgnn.stages.patient.preoperative.case_file import case_text, craniotomy_at
 
 if TYPE_CHECKING:
-    from physgnn.registration.registrar import Registration
+    from physgnn.registration.registrar import Registrar, Registration
     from physgnn.serving.patient.desk import Opening, PointMisfit, RegisteredShift
 
 ROLES: Mapping[str, tuple[str, str]] = {
@@ -74,6 +75,7 @@ class CaseDesk:
         if self._folder is not None and not self._folder.is_dir():
             raise InputError(f"--save must name a folder that is there (got {folder})")
         self._count = 0  # of runs
+        self._ready: Registrar | None = None  # of the mesh, held as it is
         self._mesh = read_mesh(case)
         self._surface = boundary_surface(self._mesh)
         self._cortex = self._surface.points[np.unique(self._surface.faces)]
@@ -186,9 +188,10 @@ class CaseDesk:
             roles = ", ".join(self.roles[role] for role in files)
             raise InputError(f"give pairs, or points before and after (got {roles})")
         notes: list[str] = []
-        found = register(
-            self._mesh_file, out, noise_mm=noise_mm, log=notes.append, **given
-        )
+        self._ready = self._ready or ready_registrar(self._mesh_file)
+        options = {"registrar": self._ready, "log": notes.append, **given}
+        registered = register(self._mesh_file, out, noise_mm=noise_mm, **options)
+        found = cast("Registration", registered)  # of one state, not a series
         return RegisteredShift(
             prediction=found.prediction,
             deviation_mm=found.deviation_mm,
@@ -228,6 +231,7 @@ class CaseDesk:
         file = Path(self._scratch.name) / MESH
         write_mesh(file, mesh)
         self._mesh, self._mesh_file, self._text = mesh, file, opening.text
+        self._ready = None
 
     def _keep_mesh(self) -> list[str]:
         """Keep the mesh where its point sets are not those of the case."""

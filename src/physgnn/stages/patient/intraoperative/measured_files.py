@@ -1,6 +1,7 @@
 """What was measured in the operating theatre, from files into the space of the scan."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -22,31 +23,62 @@ from physgnn.progress import Log, no_log
 
 Measured = PointPairs | Landmarks | SurfacePoints | WholeSurface
 GivenPath = str | Path | None
+NOTHING = (
+    "nothing was measured: give --points, --landmarks, --surface, --whole-surface, "
+    "--intraoperative or --series"
+)
+ReadScan = Callable[[Path, FloatArray], Surface]
 
 TRANSFORMED: Mapping[str, bool] = {"both": True, "after": False}
 """Whether points before the shift were measured in the other space, too."""
 
 
+@dataclass(frozen=True)
+class MeasuredFiles:
+    """The files of one state of the brain.
+
+    Attributes
+    ----------
+    points, target, landmarks, landmarks_target, surface, whole_surface, intraoperative
+        What was measured: see `physgnn.register`.
+    initial_transform : path, optional
+        From the space of what was measured to that of the scan.
+    """
+
+    points: GivenPath = None
+    target: GivenPath = None
+    landmarks: GivenPath = None
+    landmarks_target: GivenPath = None
+    surface: GivenPath = None
+    whole_surface: GivenPath = None
+    intraoperative: GivenPath = None
+    initial_transform: GivenPath = None
+
+    @property
+    def paths(self) -> dict[str, Path]:
+        """What is given, by its name."""
+        given = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: Path(path) for name, path in given.items() if path is not None}
+
+
 def read_measured(
+    files: MeasuredFiles,
     *,
-    points: tuple[GivenPath, GivenPath] = (None, None),
-    landmarks: tuple[GivenPath, GivenPath] = (None, None),
-    surface: GivenPath = None,
-    whole_surface: GivenPath = None,
-    initial_transform: GivenPath = None,
     transformed_ends: str = "both",
+    scanned: ReadScan | None = None,
     log: Log = no_log,
 ) -> list[Measured]:
-    """Read everything measured, in the space of the scan.
+    """Read everything measured of one state, in the space of the scan.
 
     Parameters
     ----------
-    points, landmarks : (path, path)
-        The file of points before, or of both ends, and that of points after.
-    surface, whole_surface, initial_transform
-        See `physgnn.register`.
+    files : MeasuredFiles
+        Where it is.
     transformed_ends : str
         A row of `TRANSFORMED`.
+    scanned : callable, optional
+        From an intraoperative scan and the matrix to the space of the preoperative one
+        to the surface of the brain in it.
     log : callable
         Called with what was left out.
 
@@ -62,25 +94,29 @@ def read_measured(
         )
     matrix = (
         np.eye(4)
-        if initial_transform is None
-        else read_rigid_transform(initial_transform)
+        if files.initial_transform is None
+        else read_rigid_transform(files.initial_transform)
     )
     both = TRANSFORMED[transformed_ends]
     found: list[Measured] = []
-    if (pairs := _pairs("points", points, log)) is not None:
+    if (pairs := _pairs("points", files.points, files.target, log)) is not None:
         found.append(PointPairs(*_ends(pairs, matrix, both)))
-    if (pairs := _pairs("landmarks", landmarks, log, Landmarks)) is not None:
+    ends = files.landmarks, files.landmarks_target
+    if (pairs := _pairs("landmarks", *ends, log, Landmarks)) is not None:
         found.append(Landmarks(*_ends(pairs, matrix, both)))
-    if surface is not None:
-        seen = read_surface_points(surface, log=log)
+    if files.surface is not None:
+        seen = read_surface_points(files.surface, log=log)
         found.append(SurfacePoints(transformed(matrix, seen.points)))
-    if whole_surface is not None:
-        found.append(whole(read_surface(whole_surface), matrix))
-    if not found:
+    if files.whole_surface is not None and files.intraoperative is not None:
         raise InputError(
-            "nothing was measured: give --points, --landmarks, --surface or "
-            "--whole-surface"
+            "--whole-surface and --intraoperative are one measurement: give one of them"
         )
+    if files.whole_surface is not None:
+        found.append(whole(read_surface(files.whole_surface), matrix))
+    if files.intraoperative is not None and scanned is not None:
+        found.append(whole(scanned(Path(files.intraoperative), matrix), matrix))
+    if not found:
+        raise InputError(NOTHING)
     return found
 
 
@@ -100,11 +136,11 @@ def whole(surface: Surface, matrix: FloatArray) -> WholeSurface:
 
 def _pairs(
     what: str,
-    files: tuple[GivenPath, GivenPath],
+    path: GivenPath,
+    target: GivenPath,
     log: Log,
     kind: type[PointPairs] = PointPairs,
 ) -> PointPairs | None:
-    path, target = files
     if path is None:
         if target is not None:
             raise InputError(f"give --{what}, the points before, beside their targets")

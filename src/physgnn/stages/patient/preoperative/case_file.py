@@ -8,6 +8,8 @@ from scipy.spatial import KDTree
 
 from physgnn.arrays import FloatArray
 from physgnn.config import read_preset
+from physgnn.dataset.membranes import NAMES as MEMBRANES
+from physgnn.dataset.membranes import Membranes
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh, boundary_surface, contains, vertex_normals
 from physgnn.geometry.normals import area_vectors
@@ -181,7 +183,7 @@ count = {opened.loaded.count}
 # One table for each region of the mesh: a tissue by name ({", ".join(TISSUES)}),
 # or a law and its parameters.
 {materials.strip()}
-
+{_membranes(mesh)}
 # Forces on what is laid open, drawn at random about the inward normal. At the last
 # level they are as strong as {TRACTION_PA:g} Pa over its {square_cm:.1f} cm².
 [loads]
@@ -195,6 +197,24 @@ seed = 0
 # [[loads.more]]
 # kind = "gravity"
 # direction = [0, 0, -1]
+"""
+
+
+def _membranes(mesh: TetMesh) -> str:
+    """Return the table of the sheets that the mesh has points of, or nothing."""
+    there = [name for name in MEMBRANES if name in mesh.point_sets]
+    if not there:
+        return ""
+    sheets = Membranes()
+    left_out = "\n".join(f'{name} = "{getattr(sheets, name)}"' for name in there)
+    return f"""
+# Stiff sheets of dura that the mesh has points of. What each does:
+#   "left-out"  its points move with the brain
+#   "elastic"   springs pull them back to where they rest; for simulate, not adapt
+#   "held"      they cannot move, like those that the skull holds
+[membranes]
+{left_out}
+stiffness_pa_per_mm = {sheets.stiffness_pa_per_mm:g}  # of elastic ones
 """
 
 
