@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from physgnn.arrays import FloatArray
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.io.integrity.atomic import write_whole
 from physgnn.registration.inference.heavy_tails import OUTLIER_WEIGHT
 from physgnn.registration.inference.rows import MeasuredRows
@@ -101,3 +101,10 @@ def write_misfits(path: str | Path, misfits: Sequence[Misfit]) -> None:
             for value in astuple(one)
         )
     write_whole(Path(path), text.getvalue())
+
+
+def rms_length(lengths: FloatArray, kept: BoolArray, rows: MeasuredRows) -> float:
+    """Root mean square length of the rows of places that are kept, mm."""
+    shares = np.concatenate([np.full(n * k, 1.0 / k) for n, k in rows.blocks])
+    count = float(shares[kept].sum())
+    return float(np.sqrt((lengths[kept] ** 2).sum() / count)) if count else np.nan

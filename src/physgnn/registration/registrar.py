@@ -22,12 +22,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physgnn.arrays import BoolArray, FloatArray
+from physgnn.arrays import FloatArray
 from physgnn.dataset.membranes import Membranes
 from physgnn.errors import InputError
-from physgnn.geometry.tetmesh import TetMesh
-from physgnn.mechanics import deformation_gradient
 from physgnn.mechanics.body import Body
+from physgnn.mechanics.elements.cell_kinematics import volume_change_range
 from physgnn.prediction.evidence import Evidence, Verdict, decide
 from physgnn.prediction.measured_evidence import RigidOffset
 from physgnn.prediction.prediction import ErrorBound, Prediction
@@ -40,7 +39,6 @@ from physgnn.registration.inference.bounds import (
     mixed_covariance,
 )
 from physgnn.registration.inference.continuation import Continuation
-from physgnn.registration.inference.rows import MeasuredRows
 from physgnn.registration.inference.search import Reached, Search
 from physgnn.registration.load_families import load_modes
 from physgnn.registration.measurements.kinds import (
@@ -51,7 +49,7 @@ from physgnn.registration.measurements.kinds import (
     noises_of,
 )
 from physgnn.registration.measurements.observation import Measurement
-from physgnn.registration.misfits import Misfit, misfits_of
+from physgnn.registration.misfits import Misfit, misfits_of, rms_length
 from physgnn.registration.mode_response import ModeResponse
 from physgnn.registration.skull import SUPPORTS, with_membranes
 from physgnn.registration.tangent_response import TangentResponse
@@ -225,8 +223,10 @@ class Registrar:
             deviation_mm=deviation,
             covariance_mm2=covariance,
             forces=self._respond.forces(search.u, search.w),
-            misfit_mm=_rms(fit.misfit * rows.noise, kept, rows),
-            held_out_mm=_rms(fit.posterior.held_out / root * rows.noise, kept, rows),
+            misfit_mm=rms_length(fit.misfit * rows.noise, kept, rows),
+            held_out_mm=rms_length(
+                fit.posterior.held_out / root * rows.noise, kept, rows
+            ),
             misfits=misfits_of(measurements, rows, fit.misfit, fit.weights),
             offset=offset,
         )
@@ -282,7 +282,7 @@ class Registrar:
                 largest_mm=float(np.linalg.norm(search.u, axis=1).max()),
                 bound_mm=estimate.max_mm,
                 converged=converged,
-                jacobian=_volume_changes(self.body.mesh, search.u),
+                jacobian=volume_change_range(self.body.mesh, search.u),
                 fit=fit_of(measured, search.rows(), search.fit, offset),
             )
         )
@@ -297,16 +297,3 @@ class Registrar:
                 "singular; fix at least three points that are not in line"
             )
         return found[0].astype(np.float64)
-
-
-def _volume_changes(mesh: TetMesh, u: FloatArray) -> tuple[float, float]:
-    """Return the smallest and the largest det F over cells."""
-    J = np.linalg.det(deformation_gradient(mesh, u))
-    return float(J.min()), float(J.max())
-
-
-def _rms(lengths: FloatArray, kept: BoolArray, rows: MeasuredRows) -> float:
-    """Root mean square length of the rows of places that are kept, mm."""
-    shares = np.concatenate([np.full(n * k, 1.0 / k) for n, k in rows.blocks])
-    count = float(shares[kept].sum())
-    return float(np.sqrt((lengths[kept] ** 2).sum() / count)) if count else np.nan

@@ -26,6 +26,12 @@ def deformation_gradient(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
     return F
 
 
+def volume_change_range(mesh: TetMesh, displacement: FloatArray) -> tuple[float, float]:
+    """Return the smallest and the largest J = det F over cells; u in mm."""
+    J = np.linalg.det(deformation_gradient(mesh, displacement))
+    return float(J.min()), float(J.max())
+
+
 @njit(cache=True, inline="always")
 def kinematics(cell, gradient, rest, u, F, H):  # type: ignore[no-untyped-def]
     """Fill F and H = F⁻ᵀ of one cell; return J = det F (H is left if J ≤ 0).

@@ -12,7 +12,9 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.stages import register
 from physgnn.stages.patient import register_state as one_state
-from physgnn.stages.patient.intraoperative.register_state import ready_registrar
+from physgnn.stages.patient.intraoperative.patient_body import (
+    ready_registrar,
+)
 
 SIDE = 80.0
 DEPTHS = {"opened": 1.5, "half": 3.0, "out": 4.5}

@@ -9,12 +9,14 @@ from physgnn.io.medical.images.formats import read_image, suffix_of
 from physgnn.progress import Log, no_log
 from physgnn.stages.outputs import FOLDER, Output, writes
 from physgnn.stages.patient.intraoperative.measured_files import NOTHING, MeasuredFiles
-from physgnn.stages.patient.intraoperative.register_state import (
+from physgnn.stages.patient.intraoperative.patient_body import (
     HowItIsHeld,
-    HowToRegister,
     checked_registrar,
     patient_of,
     ready_patient,
+)
+from physgnn.stages.patient.intraoperative.register_state import (
+    HowToRegister,
     register_state,
     write_state,
 )
@@ -146,7 +148,7 @@ def register(
         given), uncertainty, misfit by point, the status and why. Made if it is missing.
     registrar : Registrar, optional
         Ready for this mesh, from an earlier call of
-        `ready_registrar` in the module `register_state` beside this one.
+        `ready_registrar` in the module `patient_body` beside this one.
     log : callable
         Called with which measured points were left out, and why, with the outliers, and
         with what the image's header leaves open.

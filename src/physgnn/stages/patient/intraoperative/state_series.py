@@ -25,9 +25,11 @@ from physgnn.io.integrity.atomic import write_whole
 from physgnn.io.integrity.digest import digest_of, digest_of_file
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.progress import Log, no_log
+from physgnn.stages.patient.intraoperative.patient_body import (
+    Patient,
+)
 from physgnn.stages.patient.intraoperative.register_state import (
     HowToRegister,
-    Patient,
     register_state,
     write_state,
 )
