@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 @writes(
     out=Output(like="image"),
     field=Output((".h5", ".nii.gz", ".nii")),
-    jacobian=Output(like="image"),
+    jacobian=Output(like="image", of_plans=False),
     slices=Output((".png",)),
 )
 def warp(

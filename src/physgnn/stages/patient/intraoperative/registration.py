@@ -11,6 +11,7 @@ from physgnn.stages.outputs import FOLDER, Output, writes
 from physgnn.stages.patient.intraoperative.measured_files import NOTHING, MeasuredFiles
 from physgnn.stages.patient.intraoperative.patient_body import (
     HowItIsHeld,
+    Patient,
     checked_registrar,
     patient_of,
     ready_patient,
@@ -189,14 +190,10 @@ def register(
         scan=ScanOptions(backend, contrast, any_size, affine),
     )
     held = HowItIsHeld(skull, remove, causes, membranes, materials)
-    patient = (
-        patient_of(mesh, held)
-        if registrar is None
-        else ready_patient(checked_registrar(registrar, mesh, held))
-    )
     if series is not None:
         _refuse(form=form, image=image, misfits=misfits, report=report, picture=picture)
         states = read_states(series, files)
+        patient = _patient(mesh, held, registrar)
         return register_states(patient, states, Path(out), how, log=log)
     write = form_of(out, form).write
     drawn = _picture(picture, intraoperative, Path(out))
@@ -204,6 +201,7 @@ def register(
     scan = None if image is None else read_image(image, affine=affine, log=log)
     if not files.paths:
         raise InputError(NOTHING)
+    patient = _patient(mesh, held, registrar)
     state = register_state(
         patient.make(),
         files,
@@ -219,6 +217,14 @@ def register(
     if page is not None:
         write_page(page, registered_case(case, found, state.measured, noise_mm, scan))
     return found
+
+
+def _patient(
+    mesh: str | Path, held: HowItIsHeld, registrar: "Registrar | None"
+) -> Patient:
+    if registrar is None:
+        return patient_of(mesh, held)
+    return ready_patient(checked_registrar(registrar, mesh, held))
 
 
 def _refuse(**options: object) -> None:
