@@ -36,6 +36,38 @@ const screen = (place) => page.evaluate((p) => {
   const { x, y } = stage.toScreen(load.touchable[0].place.clone().set(...p));
   return { x: x + box.left, y: y + box.top };
 }, place);
+/** The lowest contrast of text that is shown, after WCAG 2.2, and whose it is. */
+const contrast = () => page.evaluate(() => {
+  const numbers = (colour) => colour.match(/[\d.]+/g).map(Number);
+  const over = ([r, g, b, a = 1], below) => [r, g, b].map((v, i) => a * v + (1 - a) * below[i]);
+  const light = (rgb) => rgb.map((v) => v / 255)
+    .map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4))
+    .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+  const ratio = (a, b) => (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+  /** What may be behind an element: several colours where it is a gradient. */
+  const behind = (element) => {
+    if (element === null) return [[255, 255, 255]];
+    const { backgroundColor, backgroundImage } = getComputedStyle(element);
+    const stops = backgroundImage.match(/rgba?\([^)]*\)/g);
+    if (stops) return stops.map(numbers);
+    const own = numbers(backgroundColor);
+    return own[3] === 0 ? behind(element.parentElement) : behind(element.parentElement).map((below) => over(own, below));
+  };
+  let worst = { ratio: 21, text: "" }, texts = 0;
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const text = walker.currentNode.textContent.trim(), element = walker.currentNode.parentElement;
+    if (!text || !element.checkVisibility({ opacityProperty: true, visibilityProperty: true })) continue;
+    if (element.matches("option") || element.closest(":disabled") || element.parentElement.querySelector(":disabled + span")) continue;
+    texts += 1;
+    for (const below of behind(element)) {
+      const found = ratio(light(over(numbers(getComputedStyle(element).color), below)), light(below));
+      if (found < worst.ratio) worst = { ratio: found, text: `${text}: ${getComputedStyle(element).color} on ${below}` };
+    }
+  }
+  return { ...worst, texts };
+});
+const theme = () => page.evaluate(() => [document.documentElement.dataset.theme, getComputedStyle(document.body).backgroundColor]);
 /** Drop files on the page as a file manager does. */
 async function drop(...names) {
   const files = names.map((name) => ({ name, content: readFileSync(path.join(folder, name)).toString("base64") }));
@@ -94,10 +126,18 @@ saw.chip = await text("chip");
 saw.header = await page.evaluate(() => window.physgnn.predictions.registration);
 saw.displaced = await page.evaluate(() => Array.from(window.physgnn.stage.views[0].displacement));
 saw.legend = await text("legend-title");
-saw.misfits = await page.locator("#misfits li").allInnerTexts();
+saw.misfits = await page.locator("#misfits tr").allInnerTexts();
+saw.found = Object.fromEntries(await page.locator("#found dt").evaluateAll(
+  (rows) => rows.map((row) => [row.textContent, row.nextElementSibling.textContent])));
+const [csv] = await Promise.all([page.waitForEvent("download", WAIT), page.click("#misfits-csv")]);
+saw.csv = { name: csv.suggestedFilename(), path: path.join(folder, "downloaded.csv") };
+await csv.saveAs(saw.csv.path);
 saw.reasons = await page.locator("#reasons li").allInnerTexts();
+await page.emulateMedia({ colorScheme: "dark" });
+saw.dark = { theme: await theme(), contrast: await contrast() };
 await picture("registration.png");
 await page.emulateMedia({ colorScheme: "light" });
+saw.light = { theme: await theme(), contrast: await contrast() };
 await picture("registration-light.png");
 await page.click("#keep");
 await settled("registered", /Saved/);
@@ -120,14 +160,27 @@ saw.adapted = { note: await text("note"), opened: await text("opened"),
   predictors: await page.locator("#predictors span").allInnerTexts() };
 
 // a series
-await drop("state-2.csv", "state-10.csv");
+await drop("state-2.csv", "state-10.csv", "tracker.txt");
+await page.click("label:has(#rigid-offset)");
+saw.guessed = await page.locator("#files select").evaluateAll((all) => all.map((one) => one.value));
 saw.order = await page.locator("#files .name").allInnerTexts();
 await page.click("#register");
 await page.waitForFunction(() => window.physgnn.predictions.registration?.states === 3, null, WAIT);
 await page.locator("#state").fill("1");
 await page.waitForFunction(() => window.physgnn.predictions.registration?.state === 0, null, WAIT);
 saw.first = await page.evaluate(() => window.physgnn.predictions.registration.name);
+saw.offset = await text("found-offset");
 await picture("series.png");
+await page.click("#keep");
+await settled("registered", /Saved/);
+saw.series = await text("registered");
+
+// the theme that is chosen stays
+await page.click("#themes label:has([value=dark])");
+saw.chosen = await theme();
+await page.reload();
+await page.waitForSelector("body[data-ready=yes]", WAIT);
+saw.remembered = await theme();
 
 await browser.close();
 console.log(JSON.stringify(saw));

@@ -13,7 +13,7 @@ from physgnn.io import write_mesh
 from physgnn.serving.scene.image_slices import GreyVolume
 from physgnn.serving.scene.viewed import view
 from physgnn.serving.sessions.engine import Engine
-from physgnn.stages.patient.intraoperative.case_desk import CaseDesk
+from physgnn.stages.patient.live_view.case_desk import CaseDesk
 
 SIDE = 80.0
 

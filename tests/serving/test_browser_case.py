@@ -4,6 +4,7 @@ test_browser.py says what it takes. With PHYSGNN_PICTURES, a folder, the picture
 kept there.
 """
 
+import csv
 import json
 import os
 import shutil
@@ -13,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import pyvista as pv
 from case_on_show import case_engine, csv_of, sunk_pairs, write_case
 from live_server import serving
 
@@ -21,6 +23,8 @@ from physgnn.config import read_preset
 from physgnn.io import read_mesh
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.serving.sessions.engine import Engine
+
+LEAST_CONTRAST = 4.5  # WCAG 2.2, success criterion 1.4.3
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +62,7 @@ def write_measured(engine: Engine, folder: Path) -> None:
     for name, depth in depths.items():
         pairs = csv_of(sunk_pairs(engine.viewed.body.mesh, depth))
         (folder / f"{name}.csv").write_bytes(pairs)
+    np.savetxt(folder / "tracker.txt", np.eye(4))
     (folder / "broken.csv").write_text("1,2,3,4,5,x\n")
     (folder / "picture.gif").write_bytes(b"GIF89a")
 
@@ -104,9 +109,39 @@ def test_a_dropped_file_is_registered_shown_and_saved(
     assert saw["legend"] == "Standard deviation, mm"
     assert len(saw["misfits"]) == len(header["misfits"]) > 0
     assert "registered.vtu" in saw["saved"]
+    assert saw["found"]["Status"] == header["status"]
+    for row, key in (("Error on average", "mean_mm"), ("Error at most", "max_mm")):
+        assert saw["found"][row].startswith(f"{header['error'][key]:.2f} mm")
+    offset = header["offset"]
+    assert saw["found"]["Rigid offset"].startswith(f"{offset['length_mm']:.1f} mm, ")
+    assert saw["found"]["Rigid offset"].endswith("% probable")
     _, u = read_displacement(folder / "kept" / "registered.vtu")
     shown = np.reshape(saw["displaced"], (-1, 3))
     assert shown[:, 2].min() == pytest.approx(u[:, 2].min(), abs=1e-4)
+
+
+def test_the_misfits_are_taken_away_as_the_file_that_is_saved(
+    saw: dict[str, Any], folder: Path
+) -> None:
+    assert saw["csv"]["name"] == "registered-misfits.csv"
+    ours = Path(saw["csv"]["path"]).read_bytes()
+    assert ours == (folder / "kept" / "registered-misfits.csv").read_bytes()
+    worst = max(float(row.split(",")[5]) for row in ours.decode().splitlines()[1:])
+    assert saw["misfits"][0].split("\t")[1] == f"{worst:.2f}"
+
+
+def test_text_can_be_read_in_both_themes(saw: dict[str, Any]) -> None:
+    for name in ("dark", "light"):
+        seen = saw[name]["contrast"]
+        assert seen["texts"] > 40
+        assert seen["ratio"] >= LEAST_CONTRAST, seen["text"]
+        assert saw[name]["theme"][0] == "auto"
+    assert saw["dark"]["theme"] != saw["light"]["theme"]
+
+
+def test_a_theme_that_is_chosen_is_remembered(saw: dict[str, Any]) -> None:
+    assert saw["chosen"] == ["dark", saw["dark"]["theme"][1]]
+    assert saw["remembered"] == saw["chosen"]  # though the system is light
 
 
 def test_a_load_hides_the_registration_until_it_is_wanted(saw: dict[str, Any]) -> None:
@@ -121,5 +156,19 @@ def test_the_packages_network_is_adapted_to_the_case(saw: dict[str, Any]) -> Non
 def test_several_files_are_a_series_in_the_order_of_their_numbers(
     saw: dict[str, Any],
 ) -> None:
-    assert saw["order"] == ["pairs.csv", "state-2.csv", "state-10.csv"]
-    assert saw["first"] == "pairs.csv"
+    assert saw["order"] == ["pairs.csv", "state-2.csv", "state-10.csv", "tracker.txt"]
+    assert saw["guessed"] == ["pairs", "pairs", "pairs", "initial transform"]
+    assert saw["first"] == "pairs.csv + tracker.txt"
+    assert saw["offset"].endswith("corrected")
+
+
+def test_a_series_is_saved_as_the_folder_of_the_command(
+    saw: dict[str, Any], folder: Path
+) -> None:
+    assert saw["series"].endswith("states/.")
+    kept = folder / "kept" / "states"
+    with (kept / "results.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["name"] for row in rows] == ["pairs", "state-2", "state-10"]
+    assert all((kept / f"{row['name']}-misfits.csv").is_file() for row in rows)
+    assert pv.PVDReader(kept / "series.pvd").time_values == [1.0, 2.0, 3.0]

@@ -19,7 +19,7 @@ from .patient.images.uncertainty_images import uncertainty as uncertainty
 from .patient.images.warping import warp as warp
 from .patient.intraoperative.prediction import predict as predict
 from .patient.intraoperative.registration import register as register
-from .patient.intraoperative.viewing import view as view
+from .patient.live_view.viewing import view as view
 from .patient.preoperative.adaptation import adapt as adapt
 from .patient.preoperative.case_file import init as init
 from .patient.preoperative.meshing import mesh as mesh

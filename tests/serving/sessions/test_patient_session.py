@@ -102,8 +102,11 @@ def test_a_dropped_file_is_registered_as_the_command_does(
     header, arrays = frame(socket)
     assert (header["kind"], header["name"]) == ("state", "pairs.csv")
     assert header["misfit_mm"] < 1.0 and header["status"]
+    ask(socket, "misfits", state=0)
+    misfits = frame(socket)[0]
     ask(socket, "save")
-    assert frame(socket)[0]["files"] == ["case.vtu", "registered.vtu"]
+    names = ["case.vtu", "registered.vtu", "registered-misfits.csv"]
+    assert frame(socket)[0]["files"] == names
     (tmp_path / "pairs.csv").write_bytes(content)
     kept = tmp_path / "kept"
     found = register(
@@ -111,7 +114,13 @@ def test_a_dropped_file_is_registered_as_the_command_does(
         tmp_path / "command.vtu",
         points=tmp_path / "pairs.csv",
         noise_mm=0.8,
+        misfits=tmp_path / "command.csv",
     )
+    assert misfits["name"] == "registered-misfits.csv"
+    assert misfits["text"] == (tmp_path / "command.csv").read_text()
+    assert (kept / "registered-misfits.csv").read_text() == misfits["text"]
+    assert header["offset"]["length_mm"] == pytest.approx(found.offset.length_mm)
+    assert not header["offset"]["corrected"]
     theirs = (tmp_path / "command.vtu").read_bytes()
     assert (kept / "registered.vtu").read_bytes() == theirs
     at = engine.shown.nodes
@@ -139,14 +148,21 @@ def test_a_network_is_adapted_and_predicts(socket: ClientConnection) -> None:
     assert frame(socket)[0]["predictor"] == "network"
 
 
-def test_a_series_has_a_state_a_file(socket: ClientConnection, engine: Engine) -> None:
+def test_a_series_has_a_state_a_file(
+    socket: ClientConnection, engine: Engine, tmp_path: Path
+) -> None:
     for i in (1, 2):
         pairs = sunk_pairs(engine.viewed.body.mesh, 1.5 * i)
         send_file(socket, csv_of(pairs), f"{i}.csv")
-    ask(socket, "register")
+    ask(socket, "register", rigid_offset=True)
     said = [frame(socket)[0] for _ in range(3)]
     assert [one["kind"] for one in said] == ["registering", "registering", "state"]
     assert (said[2]["state"], said[2]["states"]) == (1, 2)
+    assert said[2]["offset"]["corrected"]
+    ask(socket, "save")
+    assert frame(socket)[0]["files"] == ["case.vtu", "states/"]
+    kept = {file.name for file in (tmp_path / "kept" / "states").iterdir()}
+    assert kept > {"1.vtu", "2.vtu", "2-misfits.csv", "results.csv", "series.pvd"}
     ask(socket, "state", state=0, field="displacement")
     first, arrays = frame(socket)
     assert (first["name"], "field" in arrays) == ("1.csv", False)
@@ -193,6 +209,8 @@ TRY = {"type": "craniotomy", "point": [40, 40, 80], "radius_mm": 20}
         ({**TRY, "radius_mm": 4}, "radius_mm"),
         ({**TRY, "radius_mm": 99}, "must leave"),
         ({"type": "register", "noise_mm": 0}, "noise_mm"),
+        ({"type": "register", "rigid_offset": "yes"}, "rigid_offset"),
+        ({"type": "misfits", "state": 0}, "not registered"),
         ({"type": "register"}, "nothing to register"),
         ({"type": "state", "state": -1}, "state"),
         ({"type": "save", "path": "/etc"}, "path"),

@@ -27,7 +27,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.medical.images.formats import write_image
 from physgnn.io.vtk.prediction_file import read_displacement
-from physgnn.stages import slicer
+from physgnn.stages import register, slicer
 
 SINKS_MM = 4.0
 FCSV = """# Markups fiducial file version = 5.0
@@ -156,6 +156,29 @@ def test_register_moves_what_slicer_shows(
     assert surfaces.field_data["SPACE"] == ["RAS"]  # Slicer takes models for LPS
     lowest = (rest.points + u)[:, 2].max()
     assert surfaces.points[:, 2].max() == pytest.approx(lowest, abs=1e-3)
+
+
+def test_the_form_of_register_has_its_options(
+    launch: Launch, block: tuple[Path, TetMesh], tmp_path: Path
+) -> None:
+    case, mesh = block
+    top = mesh.points[mesh.point_set("loaded")]
+    files = {
+        "points": markups(tmp_path / "before.fcsv", top),
+        "target": markups(tmp_path / "after.fcsv", top - [0.0, 0.0, SINKS_MM]),
+    }
+    options = {"rigid_offset": True, "causes": "none"}
+    out = tmp_path / "shift.vtu"
+    found, _ = launch(
+        "PhysGNNRegister", mesh=case, shift=out, remove="", **files, **options
+    )
+    assert found["offset"].endswith("corrected")
+    register(case, tmp_path / "theirs.vtu", **files, **options)
+    assert out.read_bytes() == (tmp_path / "theirs.vtu").read_bytes()
+    found, said = launch(
+        "PhysGNNRegister", 2, mesh=case, shift=out, remove="nothing", **files
+    )
+    assert found["status"].startswith("failed") and "nothing" in said
 
 
 def test_points_in_either_system_are_the_same_points(

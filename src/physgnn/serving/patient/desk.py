@@ -4,14 +4,16 @@ The server knows no folder and no command: it is handed a desk, and hands it the
 that a browser sent, under names of its own.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry import TetMesh
-from physgnn.prediction.prediction import Prediction
+
+if TYPE_CHECKING:  # torch takes seconds to import
+    from physgnn.registration.registrar import Registration
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,53 +40,54 @@ class Opening:
 
 
 @dataclass(frozen=True)
-class PointMisfit:
-    """How far the registration is from one measured place.
+class MeasuredState:
+    """What was measured of one state of the brain.
 
     Attributes
     ----------
-    label : str
-        Its name or number.
-    place_mm : three floats
-        Where it was measured.
-    distance_mm : float
-        From where the registration puts it.
-    is_outlier : bool
-        Whether the rest contradicts it.
+    name : str
+        What the page calls it.
+    files : mapping of str to Path
+        A role of the desk → its file.
     """
 
-    label: str
-    place_mm: tuple[float, float, float]
-    distance_mm: float
-    is_outlier: bool
+    name: str
+    files: Mapping[str, Path]
+
+
+@dataclass(frozen=True)
+class RegisterOptions:
+    """What is alike for all states.
+
+    Attributes
+    ----------
+    noise_mm : float
+        Standard deviation of each coordinate measured.
+    rigid_offset : bool
+        Whether to correct a rigid offset of the navigation.
+    """
+
+    noise_mm: float = 1.0
+    rigid_offset: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class RegisteredShift:
-    """A state of the brain as registered, and the file that a command writes of it.
+    """A state of the brain as registered, and the files that a command writes of it.
 
     Attributes
     ----------
-    prediction : Prediction
-        Displacement, error bound, status and its reasons.
-    deviation_mm : (n_points,) array
-        Standard deviation of each point's displacement.
-    misfit_mm, held_out_mm : float
-        Root mean squares over what was measured, and over what was left out.
-    misfits : tuple of PointMisfit
-        One a measured place.
-    file : Path
-        What ``physgnn register`` wrote.
+    found : Registration
+        Displacement, error bound, status and its reasons, deviation, misfits, offset.
+    file, misfits : Path
+        What ``physgnn register`` wrote, and what its ``--misfits`` did.
     notes : tuple of str
         What it said: points left out, outliers.
     """
 
-    prediction: Prediction
-    deviation_mm: FloatArray
-    misfit_mm: float
-    held_out_mm: float
-    misfits: tuple[PointMisfit, ...]
+    found: "Registration"
     file: Path
+    misfits: Path
     notes: tuple[str, ...]
 
 
@@ -129,9 +132,9 @@ class Desk(Protocol):
         """Return a run folder that predicts on the case, held and loaded as it is."""
 
     def register(
-        self, files: Mapping[str, Path], out: Path, noise_mm: float
-    ) -> RegisteredShift:
-        """Register what was measured, a file a role, and write it to a file."""
+        self, states: Sequence[MeasuredState], folder: Path, options: RegisterOptions
+    ) -> Iterator[RegisteredShift]:
+        """Register states one after the other, written into a folder that is there."""
 
     def save(self, shifts: Sequence[RegisteredShift]) -> list[str]:
         """Keep the states; return the names of the files."""

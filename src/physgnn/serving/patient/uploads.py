@@ -5,7 +5,7 @@ of a table. What the page calls it is for the page alone.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
@@ -155,3 +155,20 @@ def states_of(files: Sequence[ReceivedFile]) -> list[dict[str, ReceivedFile]]:
         {role: some[i % len(some)] for role, some in by_role.items()}
         for i in range(max(counts, default=1))
     ]
+
+
+def name_of(
+    files: Mapping[str, ReceivedFile], states: Sequence[Mapping[str, ReceivedFile]]
+) -> str:
+    """Return what a state of several is called: its files that are no other's."""
+    own = [
+        file.name.split(".")[0]
+        for role, file in files.items()
+        if sum(other[role] is file for other in states) == 1
+    ]
+    return " + ".join(dict.fromkeys(own))
+
+
+def paths_of(files: Mapping[str, ReceivedFile]) -> dict[str, Path]:
+    """Return where the files of a state are, a role each."""
+    return {role: file.path for role, file in files.items()}

@@ -76,10 +76,13 @@ class Register(CheckedMessage):
     ----------
     noise_mm : float
         Standard deviation of each coordinate measured.
+    rigid_offset : bool
+        Correct a rigid offset of the navigation.
     """
 
     type: Literal["register"] = "register"
     noise_mm: Annotated[Number, Field(gt=0, le=20)] = 1.0
+    rigid_offset: bool = False
 
 
 class ShowState(CheckedMessage):
@@ -98,6 +101,19 @@ class ShowState(CheckedMessage):
     field: FieldName = "displacement"
 
 
+class SendMisfits(CheckedMessage):
+    """Send how far every measured place of a state is off, as CSV.
+
+    Attributes
+    ----------
+    state : int
+        Which of a series, from 0.
+    """
+
+    type: Literal["misfits"] = "misfits"
+    state: Annotated[int, Field(ge=0, lt=MOST_FILES)]
+
+
 class Save(CheckedMessage):
     """Keep the states that were registered."""
 
@@ -112,5 +128,6 @@ PatientMessage: TypeAlias = (
     | Forget
     | Register
     | ShowState
+    | SendMisfits
     | Save
 )

@@ -39,8 +39,9 @@ def state_frame(
 ) -> bytes:
     """Return one registered state of a series, at the points drawn."""
     name, shift = states[number]
-    solved = SolvedLoad(REGISTRATION, None, shift.prediction, shift.deviation_mm)
-    worst = sorted(shift.misfits, key=lambda one: -one.distance_mm)
+    found = shift.found
+    solved = SolvedLoad(REGISTRATION, None, found.prediction, found.deviation_mm)
+    worst = sorted(found.misfits, key=lambda one: -one.distance_mm)
     listed = worst[:MOST_LISTED]
     header = {
         "kind": "state",
@@ -48,18 +49,31 @@ def state_frame(
         "states": len(states),
         "name": name,
         **described(engine, field, solved),
-        "deviation_mm": float(shift.deviation_mm.mean()),
-        "misfit_mm": _known(shift.misfit_mm),
-        "held_out_mm": _known(shift.held_out_mm),
+        "deviation_mm": float(found.deviation_mm.mean()),
+        "misfit_mm": _known(found.misfit_mm),
+        "held_out_mm": _known(found.held_out_mm),
+        "offset": {
+            "length_mm": found.offset.length_mm,
+            "turn_deg": found.offset.turn_deg,
+            "probability": found.offset.probability,
+            "corrected": found.offset.corrected,
+        },
         "notes": list(shift.notes),
+        "places": len(found.misfits),
         "misfits": [
-            {"label": one.label, "mm": one.distance_mm, "outlier": one.is_outlier}
+            {
+                "kind": one.kind,
+                "label": one.label,
+                "mm": one.distance_mm,
+                "weight": one.weight,
+                "outlier": one.is_outlier,
+            }
             for one in listed
         ],
     }
     arrays = drawn_arrays(engine, field, solved, section)
     arrays["measured"] = np.array(
-        [one.place_mm for one in listed], dtype=np.float64
+        [(one.x_mm, one.y_mm, one.z_mm) for one in listed], dtype=np.float64
     ).reshape(-1, 3)
     return encode(header, arrays)
 

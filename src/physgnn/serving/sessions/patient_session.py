@@ -3,16 +3,29 @@
 import asyncio
 import json
 import logging
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from shutil import rmtree
 
 import numpy as np
 
 from physgnn.errors import InputError
-from physgnn.serving.patient.desk import Desk, Opening, RegisteredShift
-from physgnn.serving.patient.uploads import ReceivedFile, Uploads, states_of
+from physgnn.serving.patient.desk import (
+    Desk,
+    MeasuredState,
+    Opening,
+    RegisteredShift,
+    RegisterOptions,
+)
+from physgnn.serving.patient.uploads import (
+    ReceivedFile,
+    Uploads,
+    name_of,
+    paths_of,
+    states_of,
+)
 from physgnn.serving.protocol.patient_messages import (
     AdaptNetwork,
     Forget,
@@ -21,6 +34,7 @@ from physgnn.serving.protocol.patient_messages import (
     PatientMessage,
     Register,
     Save,
+    SendMisfits,
     ShowState,
     TriedCraniotomy,
 )
@@ -118,6 +132,8 @@ class PatientSession:
             await self._register(message)
         elif isinstance(message, ShowState):
             await self._show(message.state, message.field)
+        elif isinstance(message, SendMisfits):
+            await self._send_misfits(message.state)
         elif isinstance(message, Save):
             await self._save()
 
@@ -148,34 +164,50 @@ class PatientSession:
     async def _register(self, message: Register) -> None:
         measured = states_of(self._uploads.files)
         self._states = []
+        folder = self._uploads.folder / "states"
+        rmtree(folder, ignore_errors=True)  # of the registration before
+        folder.mkdir()
+        states = [
+            MeasuredState(name_of(files, measured), paths_of(files))
+            for files in measured
+        ]
+        options = RegisterOptions(message.noise_mm, message.rigid_offset)
+        shifts = self._desk.register(states, folder, options)
         for number, files in enumerate(measured):
             await self._say("registering", state=number, states=len(measured))
-            job = partial(self._one_state, number, files, message.noise_mm)
-            name, shift = await self._engine.register(job)
+            shift = await self._engine.register(partial(self._next, shifts, files))
+            name = " + ".join(dict.fromkeys(file.name for file in files.values()))
             self._states.append((name, shift))
-            self._engine.publish(shift.prediction)
+            self._engine.publish(shift.found.prediction)
         await self._show(len(self._states) - 1, "deviation")
 
-    def _one_state(
-        self, number: int, files: dict[str, ReceivedFile], noise_mm: float
-    ) -> tuple[str, RegisteredShift]:
-        out = self._uploads.folder / f"registered-{number + 1}.vtu"
-        paths = {role: file.path for role, file in files.items()}
-        name = " + ".join(dict.fromkeys(file.name for file in files.values()))
+    def _next(
+        self, shifts: Iterator[RegisteredShift], files: dict[str, ReceivedFile]
+    ) -> RegisteredShift:
+        """Register one more state, whose files are called what the page calls them."""
         try:
-            shift = self._desk.register(paths, out, noise_mm)
+            shift = next(shifts)
         except InputError as error:
             raise InputError(_named(str(error), files, self._uploads.folder)) from error
         notes = [_named(note, files, self._uploads.folder) for note in shift.notes]
-        return name, replace(shift, notes=tuple(notes))
+        return replace(shift, notes=tuple(notes))
 
     async def _show(self, number: int, field: str) -> None:
-        if number >= len(self._states):
-            raise InputError("this state is not registered: register it again")
+        self._state(number)
         make = partial(
             state_frame, self._engine, self._states, number, field, self._section()
         )
         await self._send_bytes(await self._engine.draw(make))
+
+    async def _send_misfits(self, number: int) -> None:
+        file = self._state(number).misfits
+        text = await self._engine.draw(partial(file.read_text, "utf-8"))
+        await self._say("misfits", name=file.name, text=text)
+
+    def _state(self, number: int) -> RegisteredShift:
+        if number >= len(self._states):
+            raise InputError("this state is not registered: register it again")
+        return self._states[number][1]
 
     async def _save(self) -> None:
         if not self._states:

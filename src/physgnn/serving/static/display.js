@@ -2,6 +2,7 @@
 
 import * as THREE from "three";
 import * as panel from "./controls/panel.js";
+import { themed } from "./controls/theme.js";
 import { rangeOf } from "./scene/colours.js";
 
 const { $, NAMES } = panel;
@@ -10,7 +11,6 @@ export const REGISTERED = "registration";
 const FAINT = 0.5; // how far the image shows through a registration's colours
 const LABEL_PX = 72; // room for the force beside its arrow
 const PATIENCE_MS = 80; // a prediction draws the load too; later than this it is drawn alone
-const COLOURS = { calm: 0x45c3a6, outside: 0xf0a843 };
 
 export class Display {
   /** `chosen`: what the panel says of predictor, field, solve, compare and axis. */
@@ -72,8 +72,24 @@ export class Display {
 
   register(header, arrays) {
     this.predictions.set(REGISTERED, { header, arrays });
-    for (const view of this.stage.views) view.setMeasured(arrays.measured, header.misfits);
+    this.markMeasured();
     this.show();
+  }
+
+  /** A dot where each place was measured, in the colours of the theme. */
+  markMeasured() {
+    const state = this.predictions.get(REGISTERED);
+    if (!state) return;
+    const colours = { fits: themed("dot"), outlier: themed("outside") };
+    for (const view of this.stage.views) view.setMeasured(state.arrays.measured, state.header.misfits, colours);
+  }
+
+  /** The theme has changed. */
+  retint() {
+    if (!this.scene) return;
+    this.markMeasured();
+    this.placeArrow();
+    this.restyle();
   }
 
   hideRegistration() {
@@ -144,12 +160,12 @@ export class Display {
   placeArrow() {
     const { load } = this;
     if (!load.point) return;
-    const outside = this.predictions.get("network")?.header.usable === false;
+    const colour = themed(this.predictions.get("network")?.header.usable === false ? "outside" : "accent");
     this.stage.views.forEach((view, i) => {
       const tip = view.at(load.point);
       if (i === 0) load.tip = tip;
       const tail = load.tail.add(tip).sub(load.tip);
-      view.arrow.place(tail, tip, outside ? COLOURS.outside : COLOURS.calm);
+      view.arrow.place(tail, tip, colour);
     });
   }
 
@@ -166,7 +182,7 @@ export class Display {
   restyle() {
     const { load, scene } = this;
     const patch = load.point ? { point: load.point.toArray(), radius: load.radius } : null;
-    const style = { opacity: Number($("opacity").value), plane: this.clippingPlane(), patch };
+    const style = { opacity: Number($("opacity").value), plane: this.clippingPlane(), patch, ink: themed("ink"), accent: themed("accent") };
     for (const view of this.stage.views) {
       view.style(style);
       if (view.section) {

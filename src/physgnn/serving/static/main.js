@@ -6,6 +6,7 @@ import { Load } from "./controls/load.js";
 import * as panel from "./controls/panel.js";
 import { Patient } from "./controls/patient.js";
 import { saveLoadCase, savePicture } from "./controls/save.js";
+import { followTheme } from "./controls/theme.js";
 import { Touch } from "./controls/touch.js";
 import { Display, REGISTERED, SOLVED } from "./display.js";
 import { Link } from "./protocol/link.js";
@@ -166,6 +167,7 @@ function showSpeed() {
   panel.write("speed", rate > 1 ? `${rate} predictions/s · ${latency}` : latency);
 }
 setInterval(showSpeed, SPEED_MS);
+followTheme(() => display.retint());
 
 $("release").addEventListener("click", () => load.release());
 $("inward").addEventListener("click", () => load.straighten());

@@ -49,6 +49,26 @@ REGISTER_MODULE = Module(
             extensions=MODEL,
         ),
         Parameter(
+            "image",
+            "intraoperative",
+            "Scan of the operation",
+            "An MR scan of the whole brain now, or a label map of it.",
+            extensions=VOLUME,
+        ),
+        Parameter(
+            "boolean",
+            "rigid_offset",
+            "Rigid offset",
+            "Correct a rigid offset of the navigation.",
+            default="false",
+        ),
+        Parameter(
+            "string",
+            "remove",
+            "Removed",
+            "The region that was resected, such as tumour; empty for none.",
+        ),
+        Parameter(
             "double",
             "noise_mm",
             "Noise, mm",
@@ -64,6 +84,23 @@ REGISTER_MODULE = Module(
             elements=choices.names("Skull"),
             is_advanced=True,
         ),
+        Parameter(
+            "string",
+            "causes",
+            "Causes",
+            "What may have moved the brain, with commas between: gravity, "
+            "near-swelling, brain-swelling, collapse; or none. Empty for all.",
+            is_advanced=True,
+        ),
+        Parameter(
+            "string-enumeration",
+            "contrast",
+            "Contrast of the scan",
+            "Of the scan of the operation.",
+            default="t1",
+            elements=choices.names("Contrast"),
+            is_advanced=True,
+        ),
         REFERENCE,
         *OUTPUTS,
     ),
@@ -73,6 +110,7 @@ REGISTER_MODULE = Module(
         BOUND,
         ReturnedValue("misfit_mm", "Misfit, mm"),
         ReturnedValue("held_out_mm", "Misfit of points held out, mm"),
+        ReturnedValue("offset", "Rigid offset"),
     ),
     jobs.register,
 )

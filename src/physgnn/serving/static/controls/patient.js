@@ -1,11 +1,15 @@
 // A patient: the craniotomy that is clicked, what was measured, the states registered.
 
 import { $, slider, write } from "./panel.js";
+import { download } from "./save.js";
 
 const MIDDLE_RADIUS_MM = 30;
-const MOST_MISFITS = 60; // in the list; the rest is drawn only
+const MOST_MISFITS = 60; // in the table; the rest is in the file
 const GUESSES = [[/before|source|preop/i, "before"], [/after|target|intraop/i, "after"]];
+const INSIDE = /landmark|ultrasound/i;
 const POINTS = [".csv", ".fcsv", ".tag", ".mrk.json"];
+const TRANSFORMS = [".txt", ".tfm", ".h5"];
+const SCANS = [".nii", ".nii.gz", ".nrrd", ".mha", ".mgz"];
 
 export class Patient {
   /** `page`: pick(function or null), preview(arrays or null), showState(header, arrays), message(text), field(). */
@@ -16,6 +20,7 @@ export class Patient {
     $("adapt").addEventListener("click", () => this.link.send({ type: "adapt" }));
     $("register").addEventListener("click", () => this.register());
     $("keep").addEventListener("click", () => this.link.send({ type: "save" }));
+    $("misfits-csv").addEventListener("click", () => this.link.send({ type: "misfits", state: this.state }));
     $("show").addEventListener("click", () => this.askState());
     $("choose").addEventListener("change", ({ target }) => {
       this.addFiles(target.files);
@@ -43,8 +48,7 @@ export class Patient {
     $("open").title = row.saves ? "Writes case.toml" : "Nothing is written: start physgnn view with --save FOLDER";
     this.state = null;
     $("opened").textContent = $("registered").textContent = "";
-    $("misfits").replaceChildren();
-    $("state-row").hidden = true;
+    $("found").hidden = $("state-row").hidden = true;
     this.setPicking(false);
   }
 
@@ -115,8 +119,13 @@ export class Patient {
   }
 
   guess(name) {
-    if (!POINTS.some((suffix) => name.toLowerCase().endsWith(suffix))) return "surface";
-    return GUESSES.find(([words]) => words.test(name))?.[1] ?? "pairs";
+    const ends = (suffixes) => suffixes.some((suffix) => name.toLowerCase().endsWith(suffix));
+    if (ends(TRANSFORMS)) return "initial transform";
+    if (ends(SCANS)) return "intraoperative";
+    if (!ends(POINTS)) return "surface";
+    const when = GUESSES.find(([words]) => words.test(name))?.[1];
+    if (INSIDE.test(name)) return when ? `landmarks ${when}` : "landmarks";
+    return when ?? "pairs";
   }
 
   listFiles() {
@@ -143,7 +152,7 @@ export class Patient {
     try {
       this.link.send({ type: "forget" });
       for (const { file, role } of this.files) await this.link.sendFile(file, role);
-      this.link.send({ type: "register", noise_mm: Number($("noise").value) });
+      this.link.send({ type: "register", noise_mm: Number($("noise").value), rigid_offset: $("rigid-offset").checked });
     } catch (error) {
       this.setBusy(false);
       this.page.message(`a file cannot be read any more: ${error.message}`);
@@ -152,7 +161,11 @@ export class Patient {
 
   setBusy(is) {
     this.busy = is;
-    if (is) $("registered").textContent = "sending…";
+    if (is) {
+      $("registered").textContent = "sending…";
+      $("found").hidden = $("state-row").hidden = true;
+      this.state = null; // the server forgets it, too
+    }
     this.enable();
   }
 
@@ -171,17 +184,34 @@ export class Patient {
       slider("state", { min: 1, max: header.states, value: header.state + 1 },
         (v) => `${v} of ${header.states}`, (v) => this.askState(v - 1));
     }
+    this.showFound(header);
     const rest = header.held_out_mm === null ? "" : `, of points held out ${header.held_out_mm.toFixed(2)} mm`;
     const notes = header.notes.length ? ` ${header.notes.join("; ")}.` : "";
     write("registered", `Misfit ${header.misfit_mm?.toFixed(2) ?? "?"} mm${rest}; deviation ${header.deviation_mm.toFixed(2)} mm on average.${notes}`);
-    $("misfits").replaceChildren(...header.misfits.slice(0, MOST_MISFITS).map(({ label, mm, outlier }) => {
-      const row = item(element("span", { className: "name", textContent: outlier ? `${label} (outlier)` : label }),
-        element("span", { className: "number", textContent: `${mm.toFixed(2)} mm` }));
+    this.enable();
+    return first;
+  }
+
+  /** How far the state on show can be relied on, and what each measured place says. */
+  showFound({ status, usable, error, offset, misfits, places }) {
+    $("found").hidden = false;
+    write("found-status", status);
+    $("found-status").classList.toggle("outlier", !usable);
+    const chance = error?.coverage < 1 ? ` (${Math.round(100 * error.coverage)} %)` : "";
+    write("found-mean", error ? `${error.mean_mm.toFixed(2)} mm` : "not known");
+    write("found-most", error ? `${error.max_mm.toFixed(2)} mm${chance}` : "not known");
+    const done = offset.corrected ? "corrected" : `${Math.round(100 * offset.probability)} % probable`;
+    write("found-offset", `${offset.length_mm.toFixed(1)} mm, ${offset.turn_deg.toFixed(1)}°, ${done}`);
+    $("misfits").replaceChildren(...misfits.slice(0, MOST_MISFITS).map(({ kind, label, mm, weight, outlier }) => {
+      const row = element("tr", { title: kind });
+      for (const text of [outlier ? `${label} (outlier)` : label, mm.toFixed(2), weight.toFixed(2)]) {
+        row.append(element("td", { textContent: text }));
+      }
       row.classList.toggle("outlier", outlier);
       return row;
     }));
-    this.enable();
-    return first;
+    $("misfits-more").hidden = places <= MOST_MISFITS;
+    write("misfits-more", `The ${MOST_MISFITS} farthest of ${places.toLocaleString("en")}; the file has all.`);
   }
 
   /** A line from the server; returns whether it was about the patient. */
@@ -192,6 +222,8 @@ export class Patient {
       this.adapting = true;
       write("opened", "adapting the network to this case…");
       this.enable();
+    } else if (message.kind === "misfits") {
+      download(new Blob([message.text], { type: "text/csv" }), message.name);
     } else if (message.kind === "saved") {
       const text = message.files.length ? `Saved: ${message.files.join(", ")}.` : "Nothing written: no --save FOLDER.";
       write(message.what === "craniotomy" ? "opened" : "registered", text);

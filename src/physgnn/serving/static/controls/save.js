@@ -1,8 +1,9 @@
 // What one can take away: a picture with its caption, and the load case.
 
 import { FIELDS, ticks } from "../scene/colours.js";
+import { themed } from "./theme.js";
 
-function download(blob, name) {
+export function download(blob, name) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
   link.download = name;
@@ -19,11 +20,11 @@ export function savePicture(stage, { lines, field, range }) {
   const strip = 64 * scale;
   const canvas = Object.assign(document.createElement("canvas"), { width, height: height + strip });
   const c = canvas.getContext("2d");
-  c.fillStyle = "#161c22";
+  c.fillStyle = themed("stage");
   c.fillRect(0, 0, width, height + strip);
   c.drawImage(stage.canvas, 0, 0);
   c.font = `${13 * scale}px system-ui, sans-serif`;
-  c.fillStyle = "#e8ecef";
+  c.fillStyle = themed("ink");
   lines.forEach((line, i) => c.fillText(line, 20 * scale, height + (24 + 20 * i) * scale));
   const [left, wide] = [width - 240 * scale, 220 * scale];
   const gradient = c.createLinearGradient(left, 0, left + wide, 0);
@@ -32,7 +33,7 @@ export function savePicture(stage, { lines, field, range }) {
   c.fillText(title, left, height + 14 * scale);
   c.fillStyle = gradient;
   c.fillRect(left, height + 22 * scale, wide, 10 * scale);
-  c.fillStyle = "#e8ecef";
+  c.fillStyle = themed("ink");
   ticks(range).forEach((text, i) => {
     c.textAlign = ["left", "center", "right"][i];
     c.fillText(text, left + (wide * i) / 2, height + 50 * scale);

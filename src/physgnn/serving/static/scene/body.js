@@ -63,8 +63,8 @@ export class BodyView {
     this.held = arrays?.held ?? null;
   }
 
-  /** Show where places were measured, outliers in another colour; null takes them away. */
-  setMeasured(places, misfits) {
+  /** Show where places were measured, in the colours of what fits and of outliers; null takes them away. */
+  setMeasured(places, misfits, colours) {
     if (this.dots) {
       this.scene.remove(this.dots);
       this.dots.dispose();
@@ -72,7 +72,7 @@ export class BodyView {
       this.dots = null;
     }
     if (!places?.length) return;
-    this.dots = dots(places, misfits, this.size);
+    this.dots = dots(places, misfits, colours, this.size);
     this.scene.add(this.dots);
   }
 
@@ -158,10 +158,12 @@ export class BodyView {
     for (const part of [this.brain, ...this.inside]) part.setSharp(is);
   }
 
-  style({ opacity, plane, patch }) {
+  style({ opacity, plane, patch, ink, accent }) {
+    for (const lines of this.ghosts) lines.material.color.set(ink);
     for (const { material } of [this.back, this.front]) {
       material.uniforms.opacity.value = opacity;
       material.uniforms.patchRadius.value = patch ? patch.radius : 0;
+      material.uniforms.accent.value.set(accent);
       if (patch) material.uniforms.patchCentre.value.fromArray(patch.point);
       setPlane(material, plane);
     }
@@ -175,14 +177,14 @@ function shade(colours, marked) {
   }
 }
 
-function dots(places, misfits, size) {
+function dots(places, misfits, colours, size) {
   const made = new THREE.InstancedMesh(
     new THREE.SphereGeometry(0.007 * size, 12, 8), new THREE.MeshBasicMaterial(), places.length / 3,
   );
   const at = new THREE.Matrix4();
   misfits.forEach(({ outlier }, i) => {
     made.setMatrixAt(i, at.makeTranslation(...places.subarray(3 * i, 3 * i + 3)));
-    made.setColorAt(i, new THREE.Color(outlier ? 0xf0a843 : 0xffffff));
+    made.setColorAt(i, new THREE.Color(outlier ? colours.outlier : colours.fits));
   });
   made.renderOrder = 4;
   made.frustumCulled = false;
@@ -205,7 +207,7 @@ function ghost(part) {
   rest.setIndex(new THREE.BufferAttribute(Uint32Array.from(part.faces), 1));
   const lines = new THREE.LineSegments(
     new THREE.WireframeGeometry(rest),
-    new THREE.LineBasicMaterial({ color: 0xffffff, transparent: true, opacity: 0.13, depthWrite: false }),
+    new THREE.LineBasicMaterial({ transparent: true, opacity: 0.13, depthWrite: false }),
   );
   lines.renderOrder = 2;
   return lines;
@@ -214,7 +216,7 @@ function ghost(part) {
 /** The force: its head on the surface, a handle at its tail. */
 class Arrow {
   constructor(size) {
-    const material = new THREE.MeshBasicMaterial({ color: 0xffffff });
+    const material = new THREE.MeshBasicMaterial();
     this.material = material;
     this.headLength = 0.03 * size;
     const [thin, wide, ball] = [0.004, 0.012, 0.0125].map((fraction) => fraction * size);

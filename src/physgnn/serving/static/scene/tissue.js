@@ -61,7 +61,7 @@ export function tissue({ side = THREE.FrontSide, opacity = 1, rim = 0 } = {}) {
       rim: { value: rim },
       patchRadius: { value: 0 },
       patchCentre: { value: new THREE.Vector3() },
-      accent: { value: new THREE.Color(0x45c3a6) },
+      accent: { value: new THREE.Color() },
       plane: { value: FAR.clone() },
     },
   });

@@ -1,7 +1,7 @@
 """One state of a brain, from its measured files to the file of its displacement."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,8 +39,8 @@ class HowToRegister:
     noise_mm : float
         Of what has none of its own.
     noises : mapping
-        Kind of measurement → its own noise, mm, or None. That of a segmented brain is
-        2 mm at least, by default.
+        Kind of measurement → its own noise, mm. That of a segmented brain is 2 mm at
+        least, by default.
     rigid_offset : bool
         Correct a rigid offset of the navigation.
     transformed : str
@@ -50,7 +50,7 @@ class HowToRegister:
     """
 
     noise_mm: float = 1.0
-    noises: Mapping[str, float | None] | None = None
+    noises: Mapping[str, float] = field(default_factory=dict)
     rigid_offset: bool = False
     transformed: str = "both"
     scan: ScanOptions = ScanOptions()  # noqa: RUF009 (it is frozen)
@@ -63,8 +63,7 @@ class HowToRegister:
             if files.intraoperative is None
             else max(self.noise_mm, SEGMENTED_MM)
         )
-        own = {k: v for k, v in (self.noises or {}).items() if v is not None}
-        return {**default, "whole surface": whole, **own}
+        return {**default, "whole surface": whole, **self.noises}
 
 
 @dataclass(frozen=True, eq=False)

@@ -178,13 +178,14 @@ def register(
         intraoperative=intraoperative,
         initial_transform=initial_transform,
     )
+    noises = {
+        "landmarks": landmark_noise_mm,
+        "surface": surface_noise_mm,
+        "whole surface": whole_surface_noise_mm,
+    }
     how = HowToRegister(
         noise_mm=noise_mm,
-        noises={
-            "landmarks": landmark_noise_mm,
-            "surface": surface_noise_mm,
-            "whole surface": whole_surface_noise_mm,
-        },
+        noises={kind: one for kind, one in noises.items() if one is not None},
         rigid_offset=rigid_offset,
         transformed=transformed,
         scan=ScanOptions(backend, contrast, any_size, affine),

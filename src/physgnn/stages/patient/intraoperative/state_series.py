@@ -107,25 +107,42 @@ def register_states(
     if out.exists() and not out.is_dir():
         raise InputError(f"{out} is a file: a series needs the name of a folder")
     out.mkdir(parents=True, exist_ok=True)
-    series = _Series(patient, out, how, log)
-    results: list[StateResult] = []
+    series = StateSeries(patient, out, how, log)
     for state in states:
-        results.append(series.result_of(state))
-        one = results[-1]
+        one = series.result_of(state)
         why = f": {one.reason}" if one.reason else ""
         log(f"{one.name}: {one.outcome}{why} ({one.seconds:.1f} s)")
-        write_whole(out / RESULTS, results_text(results))
-        write_whole(out / PVD, collection_text(results))
-    return tuple(results)
+    return tuple(series.results)
 
 
-class _Series:
-    """A folder of states: what is done, and where the last one ended."""
+class StateSeries:
+    """A folder of states: what is done, and where the last one ended.
+
+    Parameters
+    ----------
+    patient : Patient
+        Whose.
+    out : Path
+        The folder; it is there.
+    how : HowToRegister
+        As of one state.
+    log : callable
+        Called with what registration says, after the state's name.
+
+    Attributes
+    ----------
+    results : list of StateResult
+        So far.
+    last : Registration or None
+        Of the last state, if it was registered now.
+    """
 
     def __init__(
         self, patient: Patient, out: Path, how: HowToRegister, log: Log
     ) -> None:
         self._patient, self._out, self._how, self._log = patient, out, how, log
+        self.results: list[StateResult] = []
+        self.last: Registration | None = None
         self._registrar: Registrar | None = None
         self._after: FloatArray | None = None
         self._done = _record(out / RECORD)
@@ -137,7 +154,14 @@ class _Series:
         )
 
     def result_of(self, state: StateRow) -> StateResult:
-        """Return how a state fares, registered now or before."""
+        """Return how the next state fares, registered now or before, and write it."""
+        self.last = None
+        self.results.append(self._result_of(state))
+        write_whole(self._out / RESULTS, results_text(self.results))
+        write_whole(self._out / PVD, collection_text(self.results))
+        return self.results[-1]
+
+    def _result_of(self, state: StateRow) -> StateResult:
         start = time.perf_counter()
         file = self._out / f"{state.name}.vtu"
         try:
@@ -178,7 +202,7 @@ class _Series:
         ).found
         write_state(file, self._patient, found, form_of(file).write)
         write_misfits(self._out / f"{state.name}-misfits.csv", found.misfits)
-        self._after = found.prediction.displacement
+        self._after, self.last = found.prediction.displacement, found
         return figures_of(found)
 
     def _digest(self, state: StateRow) -> str:

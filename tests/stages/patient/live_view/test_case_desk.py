@@ -1,5 +1,6 @@
 """What the live view keeps of a case is what the commands write."""
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,14 @@ from physgnn.config import read_preset
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
+from physgnn.io.untrusted.csv_rows import SAFE_NAME
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.predictor import Predictor
-from physgnn.stages.patient.intraoperative.case_desk import CaseDesk
+from physgnn.serving.patient.desk import MeasuredState, RegisterOptions
 from physgnn.stages.patient.intraoperative.registration import register
-from physgnn.stages.patient.intraoperative.viewing import view
+from physgnn.stages.patient.live_view.case_desk import CaseDesk
+from physgnn.stages.patient.live_view.case_states import rows_of
+from physgnn.stages.patient.live_view.viewing import view
 from physgnn.stages.patient.preoperative.case_file import init
 
 SIDE = 80.0
@@ -85,18 +89,73 @@ def test_what_is_kept_of_a_registration_is_what_the_command_writes(case: Path) -
     kept, scratch = case.parent / "kept", case.parent
     desk = CaseDesk(case, kept)
     pairs = sunk_pairs(scratch / "pairs.csv", desk.mesh)
-    shift = desk.register({"pairs": pairs}, scratch / "out.vtu", 1.0)
-    assert desk.save([shift]) == ["case.vtu", "registered.vtu"]
-    found = register(kept / "case.vtu", scratch / "command.vtu", points=pairs)
-    np.testing.assert_array_equal(
-        shift.prediction.displacement, found.prediction.displacement
+    moved = scratch / "tracker.txt"
+    np.savetxt(moved, np.eye(4))
+    files = {"pairs": pairs, "initial transform": moved}
+    state, options = MeasuredState("pairs", files), RegisterOptions(0.8, True)
+    (shift,) = desk.register([state], scratch, options)
+    names = ["case.vtu", "registered.vtu", "registered-misfits.csv"]
+    assert desk.save([shift]) == names
+    found = register(
+        kept / "case.vtu",
+        scratch / "command.vtu",
+        points=pairs,
+        initial_transform=moved,
+        noise_mm=0.8,
+        rigid_offset=True,
+        misfits=scratch / "command.csv",
     )
-    assert (kept / "registered.vtu").read_bytes() == (
-        scratch / "command.vtu"
-    ).read_bytes()
-    assert shift.prediction.displacement[:, 2].min() < -1.0
-    assert desk.save([shift, shift])[1:] == ["registered-1.vtu", "registered-2.vtu"]
+    assert shift.found.offset.corrected and found.offset.corrected
+    for name, theirs in zip(names[1:], ("command.vtu", "command.csv"), strict=True):
+        assert (kept / name).read_bytes() == (scratch / theirs).read_bytes()
+    assert shift.found.prediction.displacement[:, 2].min() < -1.0
     desk.close()
+
+
+def test_a_kept_series_is_the_folder_of_the_command(case: Path) -> None:
+    kept, scratch = case.parent / "kept", case.parent
+    (scratch / "view").mkdir()
+    desk = CaseDesk(case, kept)
+    rows, states = ["name,points"], []
+    for name, depth in (("opened", 1.5), ("half", 3.0)):
+        pairs = sunk_pairs(scratch / f"{name}.csv", desk.mesh, depth)
+        states.append(MeasuredState(name, {"pairs": pairs}))
+        rows.append(f"{name},{name}.csv")
+    shifts = list(desk.register(states, scratch / "view", RegisterOptions()))
+    assert desk.save(shifts) == ["case.vtu", "states/"]
+    table = scratch / "states.csv"
+    table.write_text("\n".join(rows) + "\n")
+    register(kept / "case.vtu", scratch / "theirs", series=table)
+    theirs = {file.name: file.read_bytes() for file in (scratch / "theirs").iterdir()}
+    ours = {file.name: file.read_bytes() for file in (kept / "states").iterdir()}
+    assert set(ours) == set(theirs) > {"series.pvd", "half.vtu", "half-misfits.csv"}
+    timed = "results.csv"  # it has the seconds of each
+    assert {k: v for k, v in ours.items() if k != timed} == {
+        k: v for k, v in theirs.items() if k != timed
+    }
+    both = [
+        read_table(folder / timed) for folder in (kept / "states", scratch / "theirs")
+    ]
+    assert both[0] == both[1]
+    again = register(kept / "case.vtu", kept / "states", series=table)
+    assert [state.seconds for state in again] == [0.0, 0.0]  # nothing is left to do
+    assert desk.save(shifts)[1:] == ["states-2/"]
+    desk.close()
+
+
+def read_table(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    return [{k: v for k, v in row.items() if k != "seconds"} for row in rows]
+
+
+def test_states_get_names_that_suit_files_and_are_their_own(case: Path) -> None:
+    files = {"pairs": case}
+    names = ["a", "A", "../x y", "", "é 1"]
+    rows = rows_of([MeasuredState(name, files) for name in names])
+    assert [row.name for row in rows] == ["a", "A 2", "x y", "state", "é 1"]
+    assert all(SAFE_NAME.fullmatch(row.name) for row in rows)
+    assert [row.name for row in rows_of([MeasuredState("a", files)])] == ["registered"]
 
 
 def test_nothing_is_written_without_a_folder(case: Path) -> None:
@@ -140,10 +199,11 @@ def test_what_cannot_be_used_is_one_line(case: Path) -> None:
     bad = case.with_name("bad.csv")
     bad.write_text("1,2,x\n")
     for files in ({"pairs": bad}, {"after": bad}, {"pairs": bad, "before": bad}):
+        state = MeasuredState("bad", files)
         with pytest.raises(InputError) as error:
-            desk.register(files, case.with_name("out.vtu"), 1.0)
+            next(desk.register([state], case.parent / "kept", RegisterOptions()))
         assert "\n" not in str(error.value)
-        assert not case.with_name("out.vtu").exists()
+        assert not list((case.parent / "kept").glob("*.vtu"))
     with pytest.raises(InputError, match="leave a part of the surface"):
         desk.opening(np.array([40.0, 40.0, SIDE]), 2 * SIDE)
     desk.close()

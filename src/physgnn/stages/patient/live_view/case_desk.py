@@ -5,10 +5,11 @@ page is what the command line writes.
 """
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from itertools import chain, count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -19,32 +20,30 @@ from physgnn.geometry import TetMesh, boundary_surface
 from physgnn.geometry.point_sets import select
 from physgnn.geometry.regions import TUMOUR
 from physgnn.io import read_mesh, write_mesh
-from physgnn.io.integrity.atomic import whole_file, write_whole
-from physgnn.io.medical.markups import POINT_READERS
-from physgnn.io.surfaces.formats import SURFACE_READERS
+from physgnn.io.integrity.atomic import whole_file, whole_folder, write_whole
 from physgnn.scratch import scratch_folder
 from physgnn.stages.patient.intraoperative.patient_body import (
+    ready_patient,
     ready_registrar,
 )
-from physgnn.stages.patient.intraoperative.registration import register
+from physgnn.stages.patient.intraoperative.register_state import HowToRegister
+from physgnn.stages.patient.live_view.case_states import (
+    ROLES,
+    SUFFIXES,
+    registered,
+    rows_of,
+)
 from physgnn.stages.patient.preoperative.adaptation import adapt
 from physgnn.stages.patient.preoperative.case_file import case_text, craniotomy_at
 
 if TYPE_CHECKING:
-    from physgnn.registration.registrar import Registrar, Registration
-    from physgnn.serving.patient.desk import Opening, PointMisfit, RegisteredShift
-
-ROLES: Mapping[str, tuple[str, str]] = {
-    "pairs": ("points", "pairs of points"),
-    "before": ("points", "points before"),
-    "after": ("target", "points after"),
-    "surface": ("surface", "exposed surface"),
-    "landmarks": ("landmarks", "pairs inside the brain"),
-    "landmarks before": ("landmarks", "landmarks before"),
-    "landmarks after": ("landmarks_target", "landmarks after"),
-    "whole surface": ("whole_surface", "whole surface"),
-}
-"""What a measured file may be → the argument of `register`, its name on the page."""
+    from physgnn.registration.registrar import Registrar
+    from physgnn.serving.patient.desk import (
+        MeasuredState,
+        Opening,
+        RegisteredShift,
+        RegisterOptions,
+    )
 
 CASE, MESH = "case.toml", "case.vtu"
 FIRST_RADIUS_MM = 30.0
@@ -114,12 +113,12 @@ class CaseDesk:
     @property
     def roles(self) -> Mapping[str, str]:
         """What a measured file may be → its name on the page."""
-        return {role: name for role, (_, name) in ROLES.items()}
+        return {role: row.name for role, row in ROLES.items()}
 
     @property
     def suffixes(self) -> Sequence[str]:
         """How measured files may end."""
-        return list(dict.fromkeys((*POINT_READERS, *SURFACE_READERS)))
+        return SUFFIXES
 
     @property
     def mesh(self) -> TetMesh:
@@ -174,35 +173,24 @@ class CaseDesk:
         return run
 
     def register(
-        self, files: Mapping[str, Path], out: Path, noise_mm: float
-    ) -> "RegisteredShift":
-        """Register what was measured, a file a role, and write it to a file.
+        self,
+        states: "Sequence[MeasuredState]",
+        folder: Path,
+        options: "RegisterOptions",
+    ) -> "Iterator[RegisteredShift]":
+        """Register states one after the other, each from where the last one ended.
+
+        The folder, which must be there, gets what `register` writes of a series.
 
         Raises
         ------
         InputError
             If what was measured cannot be used, or together means nothing.
         """
-        from physgnn.serving.patient.desk import RegisteredShift
-
-        given: dict[str, Any] = {ROLES[role][0]: path for role, path in files.items()}
-        if len(given) < len(files):
-            roles = ", ".join(self.roles[role] for role in files)
-            raise InputError(f"give pairs, or points before and after (got {roles})")
-        notes: list[str] = []
+        how = HowToRegister(options.noise_mm, rigid_offset=options.rigid_offset)
+        rows = rows_of(states)
         self._ready = self._ready or ready_registrar(self._mesh_file)
-        options = {"registrar": self._ready, "log": notes.append, **given}
-        registered = register(self._mesh_file, out, noise_mm=noise_mm, **options)
-        found = cast("Registration", registered)  # of one state, not a series
-        return RegisteredShift(
-            prediction=found.prediction,
-            deviation_mm=found.deviation_mm,
-            misfit_mm=found.misfit_mm,
-            held_out_mm=found.held_out_mm,
-            misfits=_misfits(found),
-            file=out,
-            notes=tuple(notes),
-        )
+        yield from registered(ready_patient(self._ready), rows, folder, how)
 
     def save(self, shifts: Sequence["RegisteredShift"]) -> list[str]:
         """Keep what `register` wrote of the states; return the names of the files.
@@ -217,11 +205,12 @@ class CaseDesk:
                 "there is no folder: start physgnn view with --save FOLDER"
             )
         names = self._keep_mesh()
-        for number, shift in enumerate(shifts, 1):
-            name = "registered.vtu" if len(shifts) == 1 else f"registered-{number}.vtu"
-            with whole_file(self._folder / name) as part:
-                shutil.copyfile(shift.file, part)
-            names.append(name)
+        if len(shifts) > 1:
+            return [*names, self._keep_series(self._folder, shifts[0].file.parent)]
+        for file in (shifts[0].file, shifts[0].misfits):
+            with whole_file(self._folder / file.name, may_be_empty=True) as part:
+                shutil.copyfile(file, part)
+            names.append(file.name)
         return names
 
     def close(self) -> None:
@@ -243,6 +232,14 @@ class CaseDesk:
             shutil.copyfile(self._mesh_file, part)
         return [MESH]
 
+    def _keep_series(self, folder: Path, states: Path) -> str:
+        """Keep the folder of a series under a name that is free; return that."""
+        names = chain(["states"], (f"states-{number}" for number in count(2)))
+        name = next(name for name in names if not (folder / name).exists())
+        with whole_folder(folder / name) as part:
+            shutil.copytree(states, part)
+        return f"{name}/"
+
     def _first_place(self) -> tuple[FloatArray, str]:
         cells = self._mesh.cells[self._mesh.region == TUMOUR]
         if not len(cells):
@@ -250,18 +247,3 @@ class CaseDesk:
         inside = self._mesh.points[np.unique(cells)]
         distance, _ = KDTree(inside).query(self._cortex)
         return self._cortex[distance.argmin()], "over the tumour"
-
-
-def _misfits(found: "Registration") -> "tuple[PointMisfit, ...]":
-    """Return the misfit of every measured place."""
-    from physgnn.serving.patient.desk import PointMisfit
-
-    return tuple(
-        PointMisfit(
-            label=one.label,
-            place_mm=(one.x_mm, one.y_mm, one.z_mm),
-            distance_mm=one.distance_mm,
-            is_outlier=one.is_outlier,
-        )
-        for one in found.misfits
-    )

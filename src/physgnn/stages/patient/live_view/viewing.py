@@ -7,7 +7,7 @@ from pathlib import Path
 from physgnn.errors import InputError
 from physgnn.progress import Log
 from physgnn.stages.outputs import FOLDER, writes
-from physgnn.stages.patient.intraoperative.case_desk import CaseDesk
+from physgnn.stages.patient.live_view.case_desk import CaseDesk
 
 DEFAULT_PORT = 8750
 

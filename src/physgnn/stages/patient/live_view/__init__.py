@@ -1,0 +1,1 @@
+"""The live view of one patient: a case opened, its states registered, saved."""
