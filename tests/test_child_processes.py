@@ -80,7 +80,7 @@ def test_a_program_whose_parent_is_gone_already_does_not_start(tmp_path: Path) -
     assert not (tmp_path / "here").exists()
 
 
-def test_what_a_program_says_and_gives_comes_through(tmp_path: Path) -> None:
+def test_what_a_program_says_and_gives_comes_through() -> None:
     say = "import sys; print(sys.argv[1:], sys.stdin.read()); sys.exit(7)"
     command = ending_with_us([sys.executable, "-c", say, "a b", "--c"])
     ended = subprocess.run(

@@ -1,8 +1,8 @@
 """Programs that end with the process that waits for them, however that ends.
 
 A process that is killed cannot end its children: a mesher would run on for half an
-hour. Linux does it where a child asks for it before it becomes the program, see prctl(2)
-and PR_SET_PDEATHSIG. Elsewhere programs are started as they are.
+hour. Linux does it where a child asks for it before it becomes the program, see
+PR_SET_PDEATHSIG in prctl(2). Elsewhere programs are started as they are.
 """
 
 import ctypes
