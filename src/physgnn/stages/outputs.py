@@ -130,7 +130,7 @@ def _all(value: Any) -> tuple[Path, ...]:
 
 
 def beside(path: Path, suffix: str) -> Path:
-    """Return the place of a file beside another, by the same name but for the suffix."""
+    """Return the place of a file beside another, by its name but for the suffix."""
     from physgnn.io.medical.images.formats import suffix_of
 
     length = len(path.name) - len(suffix_of(path))
