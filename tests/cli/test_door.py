@@ -9,8 +9,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import psutil
 import pytest
+
+from physgnn.geometry.image import Image
+from physgnn.io import read_mesh, write_prediction
+from physgnn.io.medical.images.formats import write_image
 
 MAIN = "from physgnn.cli import main; main()"
 WAIT = 120.0
@@ -192,6 +197,48 @@ def test_a_signal_while_solving(folder: Path, number: int) -> None:
     code, err = started.end(number)
     assert (code, err.splitlines()[-1]) == (128 + number, f"physgnn: {ENDED[number]}")
     assert "Traceback" not in err
+
+
+WRITING = """
+import pathlib, time
+replace = pathlib.Path.replace
+def slow(part, path):
+    if pathlib.Path(path).name.startswith("out"):
+        pathlib.Path("here").touch()
+        time.sleep(60)
+    return replace(part, path)
+pathlib.Path.replace = slow
+from physgnn.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("number", "command"),
+    [
+        (signal.SIGINT, "register case.vtu --points pairs.csv -o out.vtu"),
+        (signal.SIGTERM, "warp scan.nii.gz moved.vtu -o out.nii.gz"),
+    ],
+)
+def test_a_signal_while_writing_leaves_nothing(
+    folder: Path, number: int, command: str
+) -> None:
+    mesh = read_mesh(folder / "case.vtu")
+    at = mesh.points[mesh.point_set("loaded")]
+    pairs = np.hstack([at, at + np.array([0.0, 0.0, -0.01 * np.ptp(mesh.points)])])
+    np.savetxt(folder / "pairs.csv", pairs, delimiter=",")
+    fields = {"displacement_mm": np.full((mesh.n_points, 3), 0.1)}
+    write_prediction(folder / "moved.vtu", mesh, fields, notes={"status": ("ok",)})
+    scan = Image(np.ones((8, 8, 8), np.int16), np.diag([10.0, 10.0, 10.0, 1.0]))
+    write_image(folder / "scan.nii.gz", scan)
+    before = {path.name for path in folder.iterdir()}
+    started = Started(folder, *command.split(), program=WRITING)
+    started.until((folder / "here").exists)
+    code, err = started.end(number)
+    assert (code, err.splitlines()[-1]) == (128 + number, f"physgnn: {ENDED[number]}")
+    assert "Traceback" not in err
+    left = {path.name for path in folder.iterdir()} - before
+    assert left == {"here", "temporary"}
 
 
 def test_children_end_with_the_command(tmp_path: Path) -> None:

@@ -186,6 +186,29 @@ def test_no_result_lands_among_files_that_are_read_as_a_whole(tmp_path: Path) ->
     check_outputs(run, {"out": Output(inside=("run",))})
 
 
+def test_a_series_is_read_from_its_folder(tmp_path: Path) -> None:
+    """FOLDER/UID is no path that is there; what is read is the folder."""
+    series = tmp_path / "1.2.840.3"
+    with pytest.raises(InputError, match="among the files of scan"):
+        physgnn.segment(series, tmp_path / "seg.nii.gz")
+    with pytest.raises(InputError, match="among the files of image"):
+        check_outputs({"image": (series,), "out": (tmp_path / "w",)}, {"out": FOLDER})
+    named = {"image": (tmp_path / "t1.nii",), "out": (tmp_path / "w.nii",)}
+    check_outputs(named, {"out": FILE})
+
+
+def test_the_picture_that_nobody_named_is_checked_as_well(tmp_path: Path) -> None:
+    scan, out = tmp_path / "t1.nii", tmp_path / "seg.nii.gz"
+    scan.write_text("nonsense")
+    (tmp_path / "seg.png").mkdir()
+    with pytest.raises(InputError, match=r"--picture must be a file .*seg\.png"):
+        physgnn.segment(scan, out)
+    points = tmp_path / "other.png"
+    points.write_text("kept")
+    with pytest.raises(InputError, match=r"other\.png would be written over tumour"):
+        physgnn.segment(scan, tmp_path / "other", tumour=points)
+
+
 def test_two_outputs_are_two_files_on_every_system(tmp_path: Path) -> None:
     outputs = {"out": FILE, "jacobian": FILE}
     a = tmp_path / "a.nii"

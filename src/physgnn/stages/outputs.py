@@ -6,6 +6,7 @@ be a path is read: no output may be one of these, or lie among the files of one.
 
 import inspect
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import wraps
@@ -17,6 +18,8 @@ from physgnn.errors import InputError
 P = ParamSpec("P")
 R = TypeVar("R")
 Paths = Mapping[str, tuple[Path, ...]]
+# A series in a folder of DICOM is read as FOLDER/UID, which is no file.
+UID = re.compile(r"\d+(\.\d+)+")
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,9 @@ class Output:
         The argument that is the image or plan whose format a name without suffix gets.
     of_plans : bool
         Whether there is one where that argument is a plan; if not, the stage says so.
+    beside : str
+        The output beside which its file goes where it is not named: by the same name,
+        but for the suffix.
     inside : tuple of str
         Arguments that are read, in whose folders it may lie nevertheless: whoever reads
         them minds no further files.
@@ -45,6 +51,7 @@ class Output:
     folder_with: str = ""
     like: str = ""
     of_plans: bool = True
+    beside: str = ""
     inside: tuple[str, ...] = ()
 
 
@@ -93,15 +100,14 @@ def check_outputs(given: Paths, outputs: Mapping[str, Output]) -> None:
         The arguments that name what is written.
     """
     read = [
-        (name, path)
+        (name, _read_at(path))
         for name, paths in given.items()
         if name not in outputs
         for path in paths
-        if path.exists()
     ]
     taken: dict[str, str] = {}
     for name, output in outputs.items():
-        for path in _named(given, name, output):
+        for path in _named(given, name, outputs):
             option = f"--{name.replace('_', '-')}"
             _check_apart(option, path, read, output)
             if given.get(output.folder_with):
@@ -126,11 +132,29 @@ def _all(value: Any) -> tuple[Path, ...]:
     return tuple(Path(one) for one in (value if several else [value]))
 
 
-def _named(given: Paths, name: str, output: Output) -> Iterator[Path]:
+def beside(path: Path, suffix: str) -> Path:
+    """Return the place of a file beside another, by its name but for the suffix."""
+    from physgnn.io.medical.images.formats import suffix_of
+
+    length = len(path.name) - len(suffix_of(path))
+    return path.with_name(path.name[:length] + suffix)
+
+
+def _read_at(path: Path) -> Path:
+    """Return what there is to be read where a path names a series in a folder."""
+    is_series = not path.exists() and UID.fullmatch(path.name)
+    return path.parent if is_series and path.parent.is_dir() else path
+
+
+def _named(given: Paths, name: str, outputs: Mapping[str, Output]) -> Iterator[Path]:
     """Yield the places of an output, with the suffixes that they get."""
     from physgnn.io.medical.images.formats import WRITTEN, named_like, suffix_of
     from physgnn.io.plans.formats import plan_named_like, plan_suffix
 
+    output = outputs[name]
+    if output.beside and not given[name]:
+        for path in _named(given, output.beside, outputs):
+            yield beside(path, output.suffixes[0])
     for path in given[name]:
         if not output.like:
             yield path
@@ -154,7 +178,7 @@ def _check_apart(
     parents = path.resolve().parents
     for name, source in read:
         said = name.replace("_", " ")
-        if path.exists() and path.samefile(source):
+        if path.exists() and source.exists() and path.samefile(source):
             raise InputError(
                 f"{option} {path} would be written over {said}, the same file: name "
                 "another"

@@ -223,3 +223,11 @@ def test_the_page_has_the_error_of_every_tissue(measured) -> None:
     for tissue, errors in shown.items():
         found = [100 * c.relative_error(TISSUES[tissue].material) for c in curves]
         assert errors == " / ".join(f"{error:.0f}" for error in found)
+
+
+@pytest.mark.parametrize("factor", [1000.0, 0.001])
+def test_stress_in_another_unit_makes_no_soft_tissue(factor: float) -> None:
+    """1000 Pa taken for 1000 kPa made a brain of 1 MPa without a word."""
+    material = NeoHookean(factor * 1000.0, 0.45)
+    fit = fit_law(curves_of(material), "neo-hookean", bulk=bulk_modulus_by_ratio(0.45))
+    assert "is the stress in kPa, or Pa?" in fit.notes[-1]

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from physgnn.child_processes import ending_with_us
 from physgnn.scratch import scratch_folder
 
 INPUT, OUTPUT = "surface.npz", "mesh.npz"
@@ -45,7 +46,7 @@ def run_script(
         np.savez(Path(folder) / INPUT, **dict[str, Any](arrays))
         try:
             done = subprocess.run(
-                [sys.executable, "-P", script, folder, *options],
+                ending_with_us([sys.executable, "-P", script, folder, *options]),
                 cwd=folder,  # where it fails, a mesher leaves files behind
                 capture_output=True,
                 text=True,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from physgnn.child_processes import ending_with_us
 from physgnn.errors import InputError
 from physgnn.io.febio.log import read_febio_log
 from physgnn.io.febio.model_writer import log_of, write_febio
@@ -66,7 +67,7 @@ class FebioSolver:
 
     def _run(self, file: Path) -> str:
         done = subprocess.run(
-            [self._program, "-i", file.name],
+            ending_with_us([self._program, "-i", file.name]),
             cwd=file.parent,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,

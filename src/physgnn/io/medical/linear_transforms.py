@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from physgnn.arrays import FloatArray
+from physgnn.child_processes import ending_with_us
 from physgnn.errors import InputError
 from physgnn.imaging.transforms import RAS_TO_LPS
 from physgnn.io.untrusted.input_errors import reading
@@ -91,7 +92,11 @@ def _from_itk(path: Path) -> FloatArray:
     command = [sys.executable, "-m", "physgnn.io.medical.transform_process", str(path)]
     try:
         ended = subprocess.run(
-            command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False
+            ending_with_us(command),
+            capture_output=True,
+            text=True,
+            timeout=TIMEOUT_S,
+            check=False,
         )
     except subprocess.TimeoutExpired as error:
         raise InputError(f"reading it took more than {TIMEOUT_S:g} s") from error

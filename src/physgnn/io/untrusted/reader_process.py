@@ -28,7 +28,10 @@ def main(limit_bytes: int, reader: str) -> None:
     _bound_memory(limit_bytes)
     serve = runpy.run_path(reader)["serve"]
     for line in sys.stdin:
-        replies.write(json.dumps({"error": _answer(serve, json.loads(line))}) + "\n")
+        _end_with_parent(while_reading=True)
+        answer = _answer(serve, json.loads(line))
+        _end_with_parent(while_reading=False)
+        replies.write(json.dumps({"error": answer}) + "\n")
         replies.flush()
 
 
@@ -44,6 +47,20 @@ def _answer(
         kind = "" if type(caught) is ValueError else f"{type(caught).__name__}: "
         return " ".join(f"{kind}{caught}".split())[:LONGEST_COMPLAINT]
     return ""
+
+
+def _end_with_parent(*, while_reading: bool) -> None:
+    """Have the system end this process if standard input closes, or not any more.
+
+    Compiled code that hangs would not see it. Between requests `main` does.
+    """
+    if not hasattr(os, "O_ASYNC"):  # macOS, Windows
+        return
+    import fcntl
+
+    fcntl.fcntl(0, fcntl.F_SETOWN, os.getpid())
+    flags = fcntl.fcntl(0, fcntl.F_GETFL) & ~os.O_ASYNC
+    fcntl.fcntl(0, fcntl.F_SETFL, flags | (os.O_ASYNC if while_reading else 0))
 
 
 def _bound_memory(limit_bytes: int) -> None:

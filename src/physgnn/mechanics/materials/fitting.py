@@ -24,6 +24,8 @@ from physgnn.mechanics.materials.table import (
 
 FIRST_EXPONENTS = (-30.0, -10.0, -2.0, 2.0, 10.0, 30.0)
 LARGEST_EXPONENT = 60.0
+# From fat and brain (0.1 to 5 kPa) to muscle that is stretched.
+SOFT_PA = (20.0, 200e3)
 SMALLEST_EXPONENT = 0.1  # at 0 the term stands for a logarithm, which no law has
 SMALLEST_MODULUS = 1e-6  # over the modulus the curves begin with
 DIGITS = 6  # of a modulus or exponent; measured curves do not carry more
@@ -124,6 +126,13 @@ def _notes(material: Material, moduli: FloatArray, powers: FloatArray) -> Iterat
     alike = len(powers) == 2 and abs(powers[0] - powers[1]) < 0.01 * size.max()
     if alike or (len(powers) == 2 and (moduli == 0).any()):
         yield "the curves determine one term alone: take --terms 1"
+    low, high = SOFT_PA
+    if not low <= material.mu <= high:
+        yield (
+            f"the shear modulus at rest is {material.mu / 1000:.3g} kPa, where soft "
+            f"tissue has {low / 1000:g} to {high / 1000:g}: is the stress in kPa, or "
+            "Pa?"
+        )
 
 
 def _family(law: str, terms: int) -> LawFamily:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from physgnn.arrays import BoolArray
+from physgnn.child_processes import ending_with_us
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
 from physgnn.io.medical.images.formats import read_image, write_image
@@ -64,7 +65,7 @@ class Program:
         assert path is not None
         try:
             done = subprocess.run(
-                [path, *self.arguments],
+                ending_with_us([path, *self.arguments]),
                 cwd=folder,
                 capture_output=True,
                 timeout=LONGEST_S,

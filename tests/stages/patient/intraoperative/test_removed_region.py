@@ -68,6 +68,12 @@ def test_the_wall_is_a_set_and_what_is_gone_is_kept(brain: TetMesh) -> None:
         resected(brain, "ventricle")
 
 
+def test_the_brain_itself_is_not_removed(brain: TetMesh) -> None:
+    for name in ("brain", "0"):
+        with pytest.raises(InputError, match="must name a part of the brain"):
+            resected(brain, name)
+
+
 def test_landmarks_of_removed_tissue_are_named(brain: TetMesh) -> None:
     found = resected(brain, "tumour")
     places = np.array([[30.0, 30, 42], [30, 30, 20], [30, 30, 49.5], [10, 10, 10]])

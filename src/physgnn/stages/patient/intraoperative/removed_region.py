@@ -10,7 +10,7 @@ import pyvista as pv
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.measured import Landmarks, PointPairs
-from physgnn.geometry.regions import region_label, region_name
+from physgnn.geometry.regions import BRAIN, region_label, region_name
 from physgnn.geometry.tetmesh import TetMesh, without_unused_points
 from physgnn.mechanics.resection import remove_region
 from physgnn.registration.causes import CAVITY
@@ -75,13 +75,18 @@ def resected(mesh: TetMesh, region: str) -> Resected:
     Raises
     ------
     InputError
-        If there is no such region, or nothing else.
+        If there is no such region, or it is the brain itself.
     """
     label = region_label(region)
     if label is None or not (mesh.region == label).any():
         there = ", ".join(region_name(i) for i in np.unique(mesh.region).tolist())
         raise InputError(
             f"--remove must name a region of the mesh, {there} (got '{region}')"
+        )
+    if label == BRAIN:
+        raise InputError(
+            "--remove must name a part of the brain, such as tumour (got brain, which "
+            "is all the rest)"
         )
     remaining, index = remove_region(mesh, label)
     gone = mesh.region == label

@@ -14,13 +14,12 @@ from physgnn.io.medical.images.formats import (
     named_like,
     read_image,
     read_segmentation,
-    suffix_of,
     write_image,
 )
 from physgnn.io.medical.markups import POINT_READERS, read_points
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.progress import Log, no_log
-from physgnn.stages.outputs import Output, writes
+from physgnn.stages.outputs import Output, beside, writes
 
 if TYPE_CHECKING:
     from physgnn.geometry.image import Image
@@ -29,7 +28,7 @@ LABELS = re.compile(r"\d+(\+\d+)*")
 POINTS = tuple(POINT_READERS)
 
 
-@writes(out=Output(like="scan"), picture=Output((".png",)))
+@writes(out=Output(like="scan"), picture=Output((".png",), beside="out"))
 def segment(
     scan: str | Path,
     out: str | Path,
@@ -90,7 +89,7 @@ def segment(
     from physgnn.segmentation.scan_labels import volumes_line
 
     out = named_like(out, scan)
-    drawn = _picture_path(out, picture)
+    drawn = beside(out, ".png") if picture is None else Path(picture)
     options = SegmentOptions(backend, contrast, ventricles, any_size)
     image = read_image(scan, affine=affine, log=log)
     seeds, mask = _tumour(tumour, tumour_labels, image, log)
@@ -102,11 +101,6 @@ def segment(
         outlines(image, labels, line).savefig(part, dpi=110)
     log(f"{line}; look at {drawn}")
     return labels
-
-
-def _picture_path(out: Path, picture: str | Path | None) -> Path:
-    """Return where the picture goes."""
-    return Path(picture or out.with_name(out.name[: -len(suffix_of(out))] + ".png"))
 
 
 def _tumour(

@@ -1,0 +1,1 @@
+"""Commands about one patient, or a table of them."""

@@ -1,0 +1,1 @@
+"""Commands that learn and compare: datasets, training, materials, experiments."""

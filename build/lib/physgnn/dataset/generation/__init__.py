@@ -1,0 +1,1 @@
+"""Load paths solved, here or on many machines, and checked."""

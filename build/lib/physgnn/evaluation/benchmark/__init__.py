@@ -1,0 +1,1 @@
+"""The benchmark: tasks of fixed name and version, results in files, table and chart."""

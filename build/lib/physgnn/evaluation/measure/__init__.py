@@ -1,0 +1,1 @@
+"""Predictors on held-out samples: errors, bounds, baselines."""

@@ -1,0 +1,100 @@
+"""What an evaluation tests on, and that no tested run has seen it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from physgnn.arrays import IntArray
+from physgnn.dataset.splits.samples import MESH, SPLITS, Split, named_split
+from physgnn.dataset.storage.store import Store
+from physgnn.errors import InputError
+from physgnn.learning.runs.checkpoint import check_mesh
+from physgnn.learning.runs.record import trained_meshes
+
+NONE = np.empty((0, 2), dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """Samples to test on.
+
+    Parameters
+    ----------
+    store : Store
+    split : str
+        Name of the split, for the report.
+    train, test : (n, 2) integer arrays
+        Rows of (path, level): what learners that are trained for the evaluation may
+        see, and what all are tested on.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to test on.
+    """
+
+    store: Store
+    split: str
+    train: IntArray
+    test: IntArray
+
+    def __post_init__(self) -> None:
+        if len(self.test) == 0:
+            raise InputError(
+                f"split '{self.split}' has no samples to evaluate: simulate more load "
+                "paths"
+            )
+
+    @classmethod
+    def of(cls, store: Store, split: str | Split) -> "HeldOut":
+        """Return the test samples of a split; of ``mesh``, all there are.
+
+        Raises
+        ------
+        InputError
+            If there is no such split, or it does not fit the store.
+        """
+        if split == MESH:
+            return cls(store, MESH, NONE, store.samples())
+        if not isinstance(split, Split) and split not in SPLITS:
+            names = ", ".join(sorted([MESH, *SPLITS]))
+            raise InputError(f"no split '{split}' (there are: {names})")
+        found = split if isinstance(split, Split) else named_split(split, store)
+        return cls(store, found.name, found.train, found.test)
+
+
+def check_unseen(record: Mapping[str, Any], held_out: HeldOut, run: Path) -> None:
+    """Raise InputError if a run was trained on what it would be tested on.
+
+    Parameters
+    ----------
+    record : mapping
+        The run's own, of run.json.
+    held_out : HeldOut
+        Tests.
+    run : path
+        Its folder, for the message.
+    """
+    store = held_out.store
+    if held_out.split == MESH:
+        if store.mesh.content_hash in trained_meshes(record):
+            raise InputError(
+                f"{run} was trained on the mesh of {store.path}: test it on a mesh it "
+                "has never seen, or choose another split"
+            )
+        return
+    check_mesh(record, store.mesh, run)
+    if record["data"]["hash"] != store.content_hash():
+        return  # other data, made for this evaluation
+    trained = named_split(record["split"]["name"], store)
+    seen = {tuple(row) for row in np.concatenate([trained.train, trained.validation])}
+    overlap = sum(tuple(row) in seen for row in held_out.test)
+    if overlap:
+        raise InputError(
+            f"{run} was trained with split '{trained.name}', on {overlap} of the "
+            f"{len(held_out.test)} test samples of split '{held_out.split}': evaluate "
+            f"it with --split {trained.name}, or train with --split {held_out.split}"
+        )

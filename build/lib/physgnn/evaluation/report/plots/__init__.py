@@ -1,0 +1,1 @@
+"""What a report draws: charts, three-dimensional views, panels."""

@@ -1,0 +1,1 @@
+"""From surfaces to tetrahedra of known quality."""

@@ -1,0 +1,1 @@
+"""Which label is which tissue, by conventions or by names."""

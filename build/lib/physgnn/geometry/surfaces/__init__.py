@@ -1,0 +1,1 @@
+"""What makes a surface fit to be meshed: its topology, crossings and repairs."""

@@ -1,0 +1,1 @@
+"""FEBio's models, logs and runs."""

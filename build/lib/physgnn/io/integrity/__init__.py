@@ -1,0 +1,1 @@
+"""Files whole or absent, and the digest of what a displacement depends on."""

@@ -1,0 +1,1 @@
+"""Images and label maps of every format, in one world: RAS+, mm."""

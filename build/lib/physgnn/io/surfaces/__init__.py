@@ -1,0 +1,1 @@
+"""Surfaces: one short file a format, one table of all."""

@@ -1,0 +1,1 @@
+"""VTK's own files: meshes, surfaces, series of results."""

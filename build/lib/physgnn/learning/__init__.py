@@ -1,0 +1,1 @@
+"""Networks that predict displacement: graph, inputs, models, training, checkpoints."""

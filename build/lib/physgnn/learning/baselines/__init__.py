@@ -1,0 +1,1 @@
+"""Surrogates that learn nothing: what everything that learns is shown beside."""

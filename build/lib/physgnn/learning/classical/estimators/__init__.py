@@ -1,0 +1,1 @@
+"""Learners of rows of numbers, written down as arrays."""

@@ -1,0 +1,300 @@
+"""The lifted network: physics carries the displacement, a network what is left over.
+
+u = ū + u₁ + u₂ (`physgnn.mechanics.reduced.expansions.asymptotic`) + ‖u₂‖ · (network +
+modes). The factor, the mean length of u₂, makes the correction O(load²) or smaller, so
+that small loads get the linear solution, and none nothing. All is computed in the
+body's own axes, so that a body turned with its load has its displacement turned.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Self
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from physgnn.arrays import FloatArray, IntArray
+from physgnn.dataset.storage.store import Store
+from physgnn.dataset.training_loads import strongest_forces
+from physgnn.errors import InputError
+from physgnn.geometry.mesh_topology import points_within
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.graph import Graph, as_float32
+from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
+from physgnn.learning.network import Network
+from physgnn.learning.surrogate import Surrogate
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.elements.tet4 import internal_force
+from physgnn.mechanics.equilibrium.reference_states import (
+    NearestReference,
+    ReferenceState,
+)
+from physgnn.mechanics.loads.paths import LoadCase
+from physgnn.mechanics.reduced.expansions.anchors import mean_load_anchors
+from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
+from physgnn.mechanics.reduced.pod_galerkin.pod import leading_modes
+from physgnn.mechanics.reduced.submodels.near_loads import NearLoads
+
+MAX_SNAPSHOTS = 600  # more don't change the modes that pay, and cost memory
+HIDDEN = 64  # of the small network from modes to modes
+
+
+class LiftedModel(Network):
+    """The expansion about the nearest anchor, corrected.
+
+    Parameters
+    ----------
+    body : Body
+        What it's made for.
+    anchors : int
+        Equilibria to expand about, besides the rest state.
+    k_hops : int
+        The local network works on the k-hop neighbourhood of the loaded points: those
+        at most so many edges from one of them.
+    width, layers : int
+        Of the local network.
+    pod_modes : int
+        Global shapes of the correction, added by a small network; 0 leaves them out,
+        and then nothing learnt belongs to this body alone.
+    submodel_hops : int
+        Under a force on few points, the submodel of the cells at most so many edges
+        from it is solved, with what is predicted beside it as its boundary condition
+        (`near_loads`); 0: no submodel is solved.
+    """
+
+    zero_without_load = True
+    axes: Tensor
+    free: Tensor
+    anchor_states: Tensor
+    near: Tensor
+    modes: Tensor
+    mode_scale: Tensor
+
+    def __init__(
+        self,
+        body: Body,
+        *,
+        anchors: int = 6,
+        k_hops: int = 3,
+        width: int = 32,
+        layers: int = 4,
+        pod_modes: int = 16,
+        submodel_hops: int = 5,
+    ) -> None:
+        super().__init__(body)
+        given = (anchors, k_hops, pod_modes, submodel_hops, width, layers)
+        if min(given[:4]) < 0 or min(width, layers) < 1:
+            raise InputError(
+                "anchors, k_hops, pod_modes and submodel_hops must be ≥ 0, width and "
+                f"layers ≥ 1 (got {', '.join(map(str, given))})"
+            )
+        self.k_hops = k_hops
+        n = body.mesh.n_points
+        free = np.ones((n, 1))
+        free[body.fixed] = 0.0
+        # In float64 for the mechanics; the buffer beside it is the network's.
+        self._axes64 = axes = body_axes(body.mesh)
+        self._near_loads = NearLoads(body, submodel_hops)
+        self._turned = _turned(body, axes)
+        self.register_buffer("axes", as_float32(axes), persistent=False)
+        self.register_buffer("free", as_float32(free), persistent=False)
+        self.register_buffer("anchor_states", torch.zeros(anchors, n, 3))
+        self.register_buffer("near", torch.ones(n, dtype=torch.bool))
+        self.register_buffer("modes", torch.zeros(pod_modes, n, 3))
+        self.register_buffer("mode_scale", torch.ones(3 * pod_modes))
+        self.local = LiftedNetwork(width, layers)
+        self.coefficients = nn.Sequential(
+            nn.Linear(3 * pod_modes, HIDDEN), nn.SiLU(), nn.Linear(HIDDEN, pod_modes)
+        ) if pod_modes else None  # fmt: skip
+        self._forget()
+        self.register_load_state_dict_post_hook(_forget)  # type: ignore[no-untyped-call]
+
+    def _forget(self) -> None:
+        """Drop what was made from the buffers; it's made again when needed."""
+        self._expansion: AsymptoticExpansion | None = None
+        self._patch: NetworkRegion | None = None
+
+    @property
+    def expansion(self) -> AsymptoticExpansion:
+        """The expansion, in the body's axes."""
+        if self._expansion is None:
+            states = self.anchor_states.cpu().numpy()
+            threads = torch.get_num_threads()
+            self._expansion = AsymptoticExpansion(self._turned, states, threads=threads)
+        return self._expansion
+
+    def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
+        """Find the anchors, the points near loads, and the modes."""
+        del seed
+        self.expect(strongest_forces(store, samples))
+        if len(self.modes):
+            self._fit_modes(store, samples)
+
+    def expect(self, forces: FloatArray) -> None:
+        """Find the anchors and the points near loads, from loads without solutions.
+
+        Parameters
+        ----------
+        forces : (n_loads, n_points, 3) array
+            Loads like those to come, each at its strongest, N.
+        """
+        loaded = np.flatnonzero(forces.any(axis=(0, 2)))
+        near = points_within(self.body.mesh, loaded, self.k_hops)
+        self.near.copy_(torch.from_numpy(near))
+        n_anchors = len(self.anchor_states)
+        states = mean_load_anchors(self._turned, forces @ self._axes64.T, n_anchors)
+        self.anchor_states.copy_(torch.from_numpy(states))
+        self._forget()
+
+    def share_weights(self, other: Surrogate) -> None:
+        """Take another body's network's weights for one's own, in training too."""
+        if not isinstance(other, LiftedModel) or len(self.modes) or len(other.modes):
+            raise InputError(
+                "only the local part of a lifted network may serve several bodies: "
+                "train model lifted with pod_modes = 0"
+            )
+        shapes = [
+            [tuple(weight.shape) for weight in model.local.parameters()]
+            for model in (self, other)
+        ]
+        if shapes[0] != shapes[1]:
+            raise InputError("width and layers must be those of the other network")
+        self.local = other.local
+
+    def transfer(self, trained: Self, forces: FloatArray) -> None:
+        """Take the weights; find anchors of one's own, under loads to be expected."""
+        self.share_weights(trained)
+        self.expect(forces)
+
+    def release(self) -> None:
+        """Free the factors."""
+        self._expansion = None
+
+    def reference_states(self) -> NearestReference:
+        """Return how to find the nearest anchor, and its response to a little more."""
+        axes = self._axes64
+
+        def nearest(force: FloatArray) -> ReferenceState:
+            about = self.expansion.about(force @ axes.T)
+            return ReferenceState(
+                about.u @ axes, lambda f: about.solve(f @ axes.T) @ axes
+            )
+
+        return nearest
+
+    def warm_up_cases(self) -> Iterator[LoadCase]:
+        """Yield a tiny load, and the one that each anchor is in equilibrium with."""
+        yield from super().warm_up_cases()
+        body = self.body
+        free = np.setdiff1d(np.arange(body.mesh.n_points), body.fixed)
+        states = self.anchor_states.cpu().numpy().astype(np.float64)
+        for state in states @ self._axes64:
+            force, inverted = internal_force(body.elements, state)
+            if inverted < 0 and force[free].any():
+                yield LoadCase(free, force[free])
+
+    def _fit_modes(self, store: Store, samples: IntArray) -> None:
+        every = max(len(samples) // MAX_SNAPSHOTS, 1)
+        missed, terms = [], []
+        for path, level in samples[::every]:
+            x = self.encode(store.load_case(int(path), int(level)))
+            truth = torch.tensor(store.displacement(int(path))[int(level)])
+            expanded, first, second, _ = torch.split(x, 3, dim=-1)
+            missed.append(
+                (truth @ self.axes.cpu().T - expanded) / _size(second[None])[0]
+            )
+            terms.append(torch.stack([first, second, missed[-1]]))
+        shapes = leading_modes(torch.stack(missed).numpy(), len(self.modes))
+        self.modes.copy_(as_float32(shapes))
+        projected = self._project(torch.stack(terms).to(self.modes))
+        self.mode_scale.copy_(projected.square().mean(0).sqrt().clamp_min(1e-12))
+
+    def encode(self, load_case: LoadCase) -> Tensor:
+        """Return the second-order displacement, u₁, u₂ and force in the body's axes.
+
+        Returns
+        -------
+        (n_points, 12) float32 tensor
+            mm and N.
+        """
+        force = self._force(load_case)
+        terms = self.expansion.expand(force)
+        return as_float32(
+            np.column_stack([terms.displacement, terms.first, terms.second, force])
+        )
+
+    def linear(self, load_case: LoadCase) -> FloatArray:
+        """Return K₀⁻¹ f, (n_points, 3) mm, in the world's axes, by kept columns."""
+        return self.expansion.linear(self._force(load_case)) @ self._axes64
+
+    def _force(self, load_case: LoadCase) -> FloatArray:
+        return load_case.on_points(self.body.mesh.n_points) @ self._axes64.T
+
+    def forward(self, inputs: Tensor, graph: Graph) -> Tensor:  # noqa: ARG002
+        """Return displacement in mm, (batch, n_points, 3), in the world's axes."""
+        expanded, first, second, force = torch.split(inputs, 3, dim=-1)
+        size = _size(second)
+        patch = self._patch_on(inputs.device)
+        terms = torch.cat([expanded - first - second, first, second], dim=-1)
+        near = self.local(terms[:, patch.points], force[:, patch.points], size, patch)
+        correction = torch.zeros_like(expanded).index_copy(1, patch.points, near)
+        if self.coefficients is not None:
+            projected = self._project(torch.stack([first, second, correction], dim=1))
+            shares = self.coefficients(projected / self.mode_scale)
+            correction = correction + torch.tensordot(shares, self.modes, dims=1)
+        displacement: Tensor = (expanded + self.free * size * correction) @ self.axes
+        return displacement
+
+    def refine(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
+        """Bring the cells near a force on few points into equilibrium."""
+        return self._near_loads.corrected(load_case, displacement)
+
+    def _project(self, terms: Tensor) -> Tensor:
+        """Return (batch, 3 · modes) products of three fields with the modes."""
+        flat = self.modes.flatten(1)
+        return (terms.flatten(2) @ flat.T).flatten(1)
+
+    def _patch_on(self, device: torch.device) -> NetworkRegion:
+        if self._patch is None or self._patch.points.device != device:
+            patch = NetworkRegion.of(self._turned, self.near.cpu().numpy())
+            self._patch = patch.to(device)
+        return self._patch
+
+
+def _forget(model: nn.Module, _: object) -> None:
+    assert isinstance(model, LiftedModel)
+    model._forget()
+
+
+def _size(second: Tensor) -> Tensor:
+    """Return the root mean square length of a field over its points, (batch, 1, 1)."""
+    return second.square().sum(dim=-1, keepdim=True).mean(dim=1, keepdim=True).sqrt()
+
+
+def body_axes(mesh: TetMesh) -> FloatArray:
+    """Return the body's own right-handed axes as rows, (3, 3).
+
+    They are the principal axes of its points, each pointing to the side of the longer
+    tail, so that they turn with the body.
+    """
+    centred = mesh.points - mesh.points.mean(axis=0)
+    _, vectors = np.linalg.eigh(centred.T @ centred)
+    axes = vectors.T
+    tails = ((centred @ axes.T) ** 3).sum(axis=0)
+    axes[tails < 0] *= -1.0
+    axes[2] = np.cross(axes[0], axes[1])
+    turned: FloatArray = axes
+    return turned
+
+
+def _turned(body: Body, axes: FloatArray) -> Body:
+    return replace(
+        body,
+        mesh=TetMesh(
+            body.mesh.points @ axes.T,
+            body.mesh.cells,
+            body.mesh.region,
+            body.mesh.point_sets,
+        ),
+    )

@@ -1,0 +1,1 @@
+"""Networks on meshes from the literature, as peers: MeshGraphNets and Transolver."""

@@ -1,0 +1,1 @@
+"""The published network, and what it needs."""

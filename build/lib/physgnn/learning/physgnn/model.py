@@ -1,0 +1,80 @@
+"""PhysGNN as a model: published features, a normaliser, the network."""
+
+import numpy as np
+from torch import Tensor
+
+from physgnn.arrays import IntArray
+from physgnn.dataset.storage.store import Store
+from physgnn.errors import InputError
+from physgnn.learning.graph import Graph, as_float32
+from physgnn.learning.network import Network
+from physgnn.learning.physgnn.features import load_features, physical_property
+from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
+from physgnn.learning.physgnn.network import PhysGNN
+from physgnn.learning.physgnn.normalization import Normalizer
+from physgnn.learning.physgnn.precision import set_precision
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.loads.paths import LoadCase
+
+NORMALISERS = ("training", "published")
+
+
+class PhysGNNModel(Network):
+    """The published network between a load case and its displacement.
+
+    Parameters
+    ----------
+    body : Body
+        What it's made for.
+    configuration, dataset, width : int
+        See :class:`physgnn.learning.physgnn.network.PhysGNN`.
+    normaliser : {"training", "published"}
+        Fit mean and deviation to the training samples only, or, as was published, to
+        the whole dataset, held-out samples included.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        *,
+        configuration: int = 3,
+        dataset: int = 2,
+        width: int = 112,
+        normaliser: str = "training",
+    ) -> None:
+        super().__init__(body)
+        if normaliser not in NORMALISERS:
+            raise InputError(
+                f"normaliser must be one of {', '.join(NORMALISERS)} (got {normaliser})"
+            )
+        self.fits_on_everything = normaliser == "published"
+        self.property = physical_property(body.mesh, body.fixed)
+        self.normalizer = Normalizer()
+        self.network = PhysGNN(configuration, dataset, width)
+
+    def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
+        """Fit the normaliser."""
+        del seed
+        everything = self.fits_on_everything
+        self.normalizer.fit(store, store.samples() if everything else samples)
+
+    def encode(self, load_case: LoadCase) -> Tensor:
+        """Return standardised features, (n_points, 7) float32."""
+        columns = load_features(load_case, self.body.mesh.n_points)
+        scaled = self.normalizer.standardise(columns)
+        return as_float32(np.column_stack([self.property, scaled]))
+
+    def spare_memory(self, spare: bool) -> None:
+        """Compute what the LSTMs would keep for the backward pass twice, or keep it."""
+        for module in self.network.modules():
+            if isinstance(module, JumpingKnowledge):
+                module.compiled.keep_states = not spare
+
+    def set_precision(self, precision: str) -> None:
+        """Choose the precision of the LSTMs' products."""
+        set_precision(self, precision)
+
+    def forward(self, inputs: Tensor, graph: Graph) -> Tensor:
+        """Return displacement in mm, (batch, n_points, 3)."""
+        displacement: Tensor = self.network(inputs, graph)
+        return displacement

@@ -1,0 +1,266 @@
+"""Compute only what the load changes.
+
+A network of six layers can't carry a load further than six hops, and layer k not
+further than k. Beyond, every output is what it would be without any load: the same for
+all samples on a mesh. It is computed once (for prediction, until weights, mesh or
+features change; for training, once a batch) and each sample adds the rows its load
+reaches. The result, and its gradient, are those of the whole computation.
+"""
+
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple, Protocol
+
+import torch
+from torch import Tensor
+from torch.nn import Parameter
+
+from physgnn.learning.graph import Graph
+
+Rest = Callable[[int, int, int], Tensor]
+"""From an output's place in the list of them, a number of rows and another, to the
+rows from the one to the other, (rows, columns), that are the same for all samples."""
+
+NEIGHBOURHOODS_CACHED = 16
+WORTHWHILE = 0.9
+
+
+def filled(rows: Tensor, rest: Tensor) -> Tensor:
+    """Append to each sample's rows those that are the same for all."""
+    if not len(rest):
+        return rows
+    return torch.cat([rows, rest.expand(len(rows), -1, -1)], dim=1)
+
+
+class Layered(Protocol):
+    """A network that tells the output of each of its layers."""
+
+    def outputs(
+        self, x: Tensor, graphs: Sequence[Graph], rest: Rest | None = None
+    ) -> list[Tensor]:
+        """See :meth:`physgnn.learning.physgnn.network.PhysGNN.outputs`."""
+
+    def parameters(self) -> Iterator[Parameter]:
+        """Return its weights."""
+
+
+def unloaded(x: Tensor) -> tuple[Tensor, Tensor]:
+    """Tell features of a body without load from what loads add to them.
+
+    Without a load all points have the same force columns (standardised zeros), so
+    these are the ones most points have.
+
+    Parameters
+    ----------
+    x : (batch, n_points, 7) tensor
+        Features, the property first.
+
+    Returns
+    -------
+    background : (n_points, 7) tensor
+        The first sample's features without its load.
+    loaded : (n_points,) bool tensor
+        Points at which any sample differs from that.
+    """
+    usual = torch.mode(x[0, :, 1]).values
+    force = x[0, (x[0, :, 1] == usual).nonzero()[0, 0], 1:]
+    background = torch.cat([x[0, :, :1], force.expand(x.shape[1], -1)], dim=1)
+    return background, (x != background).any(dim=2).any(dim=0)
+
+
+@dataclass(frozen=True, eq=False)
+class LoadNeighbourhood:
+    """Points in the order in which messages from the loads arrive.
+
+    In this order the points within k hops are the first ones, so that leaving out the
+    others is taking the first rows of whatever there is.
+
+    Attributes
+    ----------
+    order : (n_points,) tensor
+        The points, nearest to the loads first.
+    place : (n_points,) tensor
+        The other way round: where each point is in that order.
+    near : tuple of Graph
+        One a layer: its rows the points reached after that layer, its columns these
+        points and their neighbours.
+    far : tuple of Graph
+        One a layer, of the points in reverse order, farthest first: its rows the points
+        whose output without load later layers need, its columns these points and their
+        neighbours.
+    """
+
+    order: Tensor
+    place: Tensor
+    near: tuple[Graph, ...]
+    far: tuple[Graph, ...]
+
+    @classmethod
+    def of(cls, graph: Graph, loaded: Tensor, n_layers: int) -> "LoadNeighbourhood":
+        """Follow the edges from the loaded points, (n_points,) bool, n_layers deep."""
+        # Cached for training as well, wherever it was first asked for.
+        with torch.inference_mode(False):
+            hops = _hops(graph, loaded, n_layers + 1)
+            order = torch.argsort(hops, stable=True)
+            within = [int((hops <= k).sum()) for k in range(n_layers + 2)]
+            beyond = [graph.n_points - n for n in within]
+            ahead, back = graph.reordered(order), graph.reordered(order.flip(0))
+            layers = range(1, n_layers + 1)
+            return cls(
+                order,
+                torch.argsort(order),
+                tuple(ahead.cut(within[k], within[k + 1]) for k in layers),
+                tuple(back.cut(beyond[k], beyond[k - 1]) for k in layers),
+            )
+
+    @property
+    def fraction(self) -> float:
+        """The part of a whole pass's rows that a sample computes."""
+        return self._fraction(self.near)
+
+    @property
+    def fraction_without_load(self) -> float:
+        """The part of a whole pass's rows that are needed without load."""
+        return self._fraction(self.far)
+
+    def _fraction(self, graphs: tuple[Graph, ...]) -> float:
+        rows = sum(graph.n_points for graph in graphs)
+        return rows / (len(graphs) * len(self.order))
+
+
+class _WithoutLoad(NamedTuple):
+    """Outputs without load, and all that they rest on.
+
+    Rows of them are picked once for the last neighbourhood asked for, so that whoever
+    is given them can tell by the tensors that nothing changed.
+    """
+
+    graph: Graph
+    background: Tensor
+    weights: list[tuple[int, int]]
+    outputs: list[Tensor]
+    rest: dict[LoadNeighbourhood, Rest]
+
+
+class Pruning:
+    """Caches between calls: where loads reached to, and outputs without load.
+
+    Parameters
+    ----------
+    n_layers : int
+        Of the network.
+    """
+
+    def __init__(self, n_layers: int) -> None:
+        self.n_layers = n_layers
+        self._neighbourhoods: OrderedDict[bytes, tuple[Graph, LoadNeighbourhood]] = (
+            OrderedDict()
+        )
+        self._cached: _WithoutLoad | None = None
+
+    def forget(self) -> None:
+        """Drop the outputs without load, as after a change of precision."""
+        self._cached = None
+
+    def last_output(self, network: Layered, x: Tensor, graph: Graph) -> Tensor | None:
+        """Return the network's last output on all points, or None if it wouldn't pay.
+
+        Parameters
+        ----------
+        network : Layered
+            The network.
+        x : (batch, n_points, 7) tensor
+            Features.
+        graph : Graph
+            The whole graph.
+
+        Returns
+        -------
+        (batch, n_points, columns) tensor or None
+        """
+        background, loaded = unloaded(x)
+        if not loaded.any():
+            return None
+        neighbourhood = self._neighbourhood(graph, loaded)
+        training = torch.is_grad_enabled()
+        once = neighbourhood.fraction_without_load if training else 0.0
+        if neighbourhood.fraction + once / len(x) > WORTHWHILE:
+            return None
+        find = self._on_far_points if training else self._on_all_points
+        rest = find(network, background, graph, neighbourhood)
+        last = network.outputs(x[:, neighbourhood.order], neighbourhood.near, rest)[-1]
+        far = rest(-1, last.shape[1], graph.n_points)
+        return filled(last, far)[:, neighbourhood.place]
+
+    def _neighbourhood(self, graph: Graph, loaded: Tensor) -> LoadNeighbourhood:
+        key = loaded.cpu().numpy().tobytes()
+        of_graph, neighbourhood = self._neighbourhoods.get(key, (None, None))
+        if neighbourhood is None or of_graph is not graph:
+            neighbourhood = LoadNeighbourhood.of(graph, loaded, self.n_layers)
+        self._neighbourhoods[key] = graph, neighbourhood
+        self._neighbourhoods.move_to_end(key)
+        if len(self._neighbourhoods) > NEIGHBOURHOODS_CACHED:
+            self._neighbourhoods.popitem(last=False)
+        return neighbourhood
+
+    def _on_far_points(
+        self,
+        network: Layered,
+        background: Tensor,
+        graph: Graph,
+        neighbourhood: LoadNeighbourhood,
+    ) -> Rest:
+        """Compute outputs without load where they're used, for this batch alone."""
+        n_points = graph.n_points
+        outputs = network.outputs(
+            background[neighbourhood.order.flip(0)][None], neighbourhood.far
+        )
+        return lambda place, have, n_rows: outputs[place][
+            0, n_points - n_rows : n_points - have
+        ].flip(0)
+
+    def _on_all_points(
+        self,
+        network: Layered,
+        background: Tensor,
+        graph: Graph,
+        neighbourhood: LoadNeighbourhood,
+    ) -> Rest:
+        """Compute outputs without load once, until something they rest on changes."""
+        weights = [(w.data_ptr(), w._version) for w in network.parameters()]
+        cached = self._cached
+        if not (
+            cached
+            and cached.graph is graph
+            and cached.weights == weights
+            and torch.equal(cached.background, background)
+        ):
+            outputs = network.outputs(background[None], [graph] * self.n_layers)
+            cached = self._cached = _WithoutLoad(
+                graph, background, weights, outputs, {}
+            )
+        if neighbourhood not in cached.rest:
+            cached.rest.clear()
+            cached.rest[neighbourhood] = _rest_of(cached.outputs, neighbourhood)
+        return cached.rest[neighbourhood]
+
+
+def _rest_of(outputs: list[Tensor], neighbourhood: LoadNeighbourhood) -> Rest:
+    @cache
+    def rest(place: int, have: int, n_rows: int) -> Tensor:
+        return outputs[place][0, neighbourhood.order[have:n_rows]]
+
+    return rest
+
+
+def _hops(graph: Graph, loaded: Tensor, deepest: int) -> Tensor:
+    """Return how many hops each point is from the loads, deepest + 1 if further."""
+    hops = torch.full_like(loaded, deepest + 1, dtype=torch.int64)
+    hops[loaded] = 0
+    row = graph.row
+    for k in range(1, deepest + 1):
+        touched = row[hops[graph.column] == k - 1]
+        hops[touched] = hops[touched].clamp(max=k)
+    return hops

@@ -1,0 +1,1 @@
+"""Models without weights to train: local expansions, POD–Galerkin."""

@@ -1,0 +1,114 @@
+"""A model as Lightning trains it: the loss, the gradient in parts, the optimiser."""
+
+from collections.abc import Sequence
+
+import torch
+from lightning.pytorch import LightningModule
+from torch import Tensor
+
+from physgnn.errors import InputError
+from physgnn.learning.graph import graph_of
+from physgnn.learning.network import Network
+from physgnn.learning.physgnn.dropout import seed_dropout
+from physgnn.learning.training.config import TrainingConfig
+from physgnn.learning.training.objective.losses import LOSSES
+from physgnn.learning.training.samples.multi_mesh import MeshBatch as Batch
+
+VALIDATION_LOSS = "validation_loss"
+TRAINING_LOSS = "training_loss"
+
+
+class TrainingModule(LightningModule):
+    """Trains any :class:`Network` as a :class:`TrainingConfig` says.
+
+    Parameters
+    ----------
+    models : sequence of Network
+        What to train: one a body, all of the same weights.
+    config : TrainingConfig
+        How.
+    at_once : int
+        Samples to compute at once; gradients are those of the whole batch, to rounding.
+    """
+
+    def __init__(
+        self, models: Sequence[Network], config: TrainingConfig, at_once: int
+    ) -> None:
+        super().__init__()
+        self.automatic_optimization = False  # Lightning can't add up unequal parts
+        self.model = models[0]
+        self.networks = tuple(models)
+        self.config = config
+        self.at_once = at_once
+        self.loss = LOSSES[config.loss]
+        self.graphs = tuple(graph_of(model.body) for model in models)
+
+    def on_fit_start(self) -> None:
+        """Move the graphs, and what belongs to one body, to where the weights are."""
+        self.graphs = tuple(graph.to(self.device) for graph in self.graphs)
+        for model in self.networks:
+            model.to(self.device)
+
+    def training_step(self, batch: Batch, _: int) -> Tensor:
+        """Step; return the batch's loss; InputError if it isn't finite."""
+        optimiser = self.optimizers()
+        assert not isinstance(optimiser, list)
+        optimiser.zero_grad()
+        seeds, weight = self._seeds(len(batch[0])), self._weight(len(batch[0]))
+        total = torch.zeros((), device=self.device)
+        for first in range(0, len(batch[0]), self.at_once):
+            part = slice(first, first + self.at_once)
+            seed_dropout(self.model, seeds[part])
+            loss = self._loss(batch, part)
+            share = len(seeds[part]) / len(seeds)
+            self._check(loss)
+            self.manual_backward(loss * share * weight)
+            total += share * loss.detach()
+        optimiser.step()
+        self._log(TRAINING_LOSS, total, batch)
+        return total
+
+    def validation_step(self, batch: Batch, _: int) -> None:
+        """Record the batch's loss."""
+        self._log(VALIDATION_LOSS, self._loss(batch), batch)
+
+    def configure_optimizers(self) -> torch.optim.Optimizer:
+        """Return AdamW, as published."""
+        return torch.optim.AdamW(
+            self.parameters(),
+            lr=self.config.learning_rate,
+            weight_decay=self.config.weight_decay,
+        )
+
+    def _seeds(self, n_samples: int) -> list[int]:
+        """Return a seed for every sample: from run, step and place in the batch."""
+        step = self.config.seed + 1_000_003 * (1 + self.global_step)
+        rank, processes = self.trainer.global_rank, self.trainer.world_size
+        return [1009 * step + rank + processes * k for k in range(n_samples)]
+
+    def _weight(self, n_samples: int) -> float:
+        """Return this process's part of the batch over its part of the mean of all."""
+        mine = torch.tensor(float(n_samples), device=self.device)
+        mean = self.trainer.strategy.reduce(mine.clone(), reduce_op="mean")
+        return float(mine / mean)
+
+    def _check(self, loss: Tensor) -> None:
+        if not torch.isfinite(loss):
+            raise InputError(
+                f"the training loss became {loss.item()} in epoch "
+                f"{self.current_epoch}; lower learning_rate "
+                f"({self.config.learning_rate:g}). The best weights of the epochs "
+                "before it, if any, are kept in the run folder"
+            )
+
+    def _loss(self, batch: Batch, part: slice = slice(None)) -> Tensor:
+        inputs, true, mesh = batch
+        k = int(mesh[0])
+        predicted = self.networks[k](inputs[part], self.graphs[k])
+        return self.loss(predicted, true[part])
+
+    def _log(self, name: str, loss: Tensor, batch: Batch) -> None:
+        size = len(batch[0])
+        self.log(
+            name, loss, on_step=False, on_epoch=True, batch_size=size, sync_dist=True
+        )

@@ -1,0 +1,1 @@
+"""A training that a kill, a signal or a full disk ended goes on where it was."""

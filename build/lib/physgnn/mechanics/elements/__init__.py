@@ -1,0 +1,1 @@
+"""Tetrahedra: internal force, energy and tangent of the two elements there are."""

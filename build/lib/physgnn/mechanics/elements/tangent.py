@@ -1,0 +1,266 @@
+"""The tangent matrix: its pattern once a mesh, its values at every state."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numba import njit
+from numpy.typing import NDArray
+
+from physgnn.arrays import FloatArray, IntArray
+from physgnn.mechanics.elements.averaged_pressure import (
+    Averaging,
+    add_group_tangent,
+    volume_gradients,
+)
+from physgnn.mechanics.elements.cell_kinematics import kinematics
+from physgnn.mechanics.elements.tet4 import (
+    NO_PRESSURE,
+    Elements,
+    MeanState,
+    _element_tangent,
+    check_state,
+    mean_state,
+)
+from physgnn.mechanics.materials import table
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Upper triangle of the tangent over the free points, in CSR.
+
+    Attributes
+    ----------
+    free : (n_free,) array
+        Points that move; unknown 3 i + r is component r of point free[i].
+    indptr, indices : int32 arrays
+        CSR structure of the upper triangle, diagonal included.
+    slot : (n_cells, 4, 4) int32 array
+        For the block of corners a, b: its rank among the blocks of its row, or −1
+        where the block is fixed or belongs to the transposed half.
+    row : (n_points,) int32 array
+        Rank of a point among the free ones, or −1.
+    group_slot : int32 array
+        The same ranks for every pair of points of every group of averaged elements,
+        pairs in order; empty for others.
+    """
+
+    free: IntArray
+    indptr: NDArray[np.int32]
+    indices: NDArray[np.int32]
+    slot: NDArray[np.int32]
+    row: NDArray[np.int32]
+    group_slot: NDArray[np.int32]
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of free degrees of freedom."""
+        return 3 * len(self.free)
+
+    def unknowns(self, fields: FloatArray) -> FloatArray:
+        """Return the free components (…, n_unknowns) of fields (…, n_points, 3)."""
+        return fields[..., self.free, :].reshape(*fields.shape[:-2], self.n_unknowns)
+
+    def add_to_diagonal(self, values: FloatArray, per_point: FloatArray) -> None:
+        """Add a stiffness of every point, (n_points,), to a tangent's values in place.
+
+        The diagonal comes first in every row of the upper triangle.
+        """
+        values[self.indptr[:-1]] += np.repeat(per_point[self.free], 3)
+
+    def on_points(self, unknowns: FloatArray) -> FloatArray:
+        """Return fields (…, n_points, 3) of unknowns (…, n_unknowns); zero if held."""
+        fields = np.zeros((*unknowns.shape[:-1], len(self.row), 3))
+        fields[..., self.free, :] = unknowns.reshape(*unknowns.shape[:-1], -1, 3)
+        return fields
+
+
+def make_pattern(
+    cells: NDArray[np.int32],
+    n_points: int,
+    fixed: IntArray,
+    averaging: Averaging | None = None,
+) -> Pattern:
+    """Find the pattern of the tangent with the fixed points left out."""
+    free = np.setdiff1d(np.arange(n_points), fixed)
+    row = np.full(n_points, -1, dtype=np.int32)
+    row[free] = np.arange(len(free), dtype=np.int32)
+    a, b = np.repeat(np.arange(4), 4), np.tile(np.arange(4), 4)
+    first, second = row[cells[:, a]].ravel(), row[cells[:, b]].ravel()
+    if averaging is not None:
+        pairs = _pairs(averaging.start, averaging.points)
+        first = np.concatenate([first, row[pairs[0]]])
+        second = np.concatenate([second, row[pairs[1]]])
+    blocks, slot = _rank_blocks(first, second, len(free))
+    indptr, indices = _expand_blocks(blocks.indptr, blocks.indices)
+    n_cell_pairs = 16 * len(cells)
+    cell_slot, group_slot = slot[:n_cell_pairs], slot[n_cell_pairs:]
+    return Pattern(free, indptr, indices, cell_slot.reshape(-1, 4, 4), row, group_slot)
+
+
+def _rank_blocks(
+    first: NDArray[np.int32], second: NDArray[np.int32], n_free: int
+) -> tuple[sp.csr_matrix, NDArray[np.int32]]:
+    """Return the upper blocks' pattern and every pair's rank in its row, or −1."""
+    used = (first >= 0) & (second >= first)
+    blocks = sp.coo_matrix(
+        (np.ones(used.sum()), (first[used], second[used])), shape=(n_free,) * 2
+    ).tocsr()
+    blocks.sort_indices()
+    key = np.repeat(np.arange(n_free), np.diff(blocks.indptr)) * n_free
+    place = np.searchsorted(
+        key + blocks.indices, first.astype(np.int64) * n_free + second
+    )
+    rank = place - blocks.indptr[np.maximum(first, 0)]
+    return blocks, np.where(used, rank, -1).astype(np.int32)
+
+
+@njit(cache=True)
+def _pairs(start, points):  # type: ignore[no-untyped-def]
+    """All ordered pairs of points within each group, group by group, (2, n_pairs)."""
+    sizes = start[1:] - start[:-1]
+    pairs = np.empty((2, np.sum(sizes.astype(np.int64) ** 2)), dtype=np.int32)
+    at = 0
+    for g in range(len(sizes)):
+        for a in range(start[g], start[g + 1]):
+            for b in range(start[g], start[g + 1]):
+                pairs[0, at], pairs[1, at] = points[a], points[b]
+                at += 1
+    return pairs
+
+
+@njit(cache=True)
+def _expand_blocks(block_indptr, block_indices):  # type: ignore[no-untyped-def]
+    """Turn a CSR of upper 3×3 blocks into a CSR of upper entries."""
+    n = len(block_indptr) - 1
+    indptr = np.zeros(3 * n + 1, dtype=np.int32)
+    for i in range(n):
+        length = 3 * (block_indptr[i + 1] - block_indptr[i])
+        for r in range(3):
+            indptr[3 * i + r + 1] = indptr[3 * i + r] + length - r
+    indices = np.empty(indptr[-1], dtype=np.int32)
+    for i in range(n):
+        for r in range(3):
+            at = indptr[3 * i + r]
+            for k in range(block_indptr[i], block_indptr[i + 1]):
+                first = r if k == block_indptr[i] else 0
+                for c in range(first, 3):
+                    indices[at] = 3 * block_indices[k] + c
+                    at += 1
+    return indptr, indices
+
+
+@njit(cache=True)
+def _add_pressure_tangent(pJ, H, A):  # type: ignore[no-untyped-def]
+    """Add p ∂²J/∂F² = p J (H_iJ H_kL − H_iL H_kJ)."""
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                for m in range(3):
+                    A[i, j, k, m] += pJ * (H[i, j] * H[k, m] - H[i, m] * H[k, j])
+
+
+@njit(cache=True)
+def _assemble(  # type: ignore[no-untyped-def]
+    cells,
+    gradients,
+    rest,
+    volumes,
+    law,
+    constants,
+    pressure,
+    u,
+    row,
+    slot,
+    indptr,
+    data,
+):
+    F, H = np.empty((3, 3)), np.empty((3, 3))
+    A, Ag = np.empty((3, 3, 3, 3)), np.empty((3, 3, 3))
+    K = np.empty((4, 4, 3, 3))
+    for e in range(len(cells)):
+        J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
+        if not J > 0.0:
+            return e
+        table.tangent(law[e], F, H, J, constants[e], A)
+        if len(pressure):
+            _add_pressure_tangent(pressure[e] * J, H, A)
+        _element_tangent(gradients[e], volumes[e], A, Ag, K)
+        for a in range(4):
+            for b in range(4):
+                rank = slot[e, a, b]
+                if rank < 0:
+                    continue
+                i = row[cells[e, a]]
+                for r in range(3):
+                    # Row r of the diagonal block starts at its diagonal entry, so
+                    # everything in that row sits r places further left.
+                    at = indptr[3 * i + r] + 3 * rank - r
+                    for c in range(r if a == b else 0, 3):
+                        data[at + c] += K[a, b, r, c] if a <= b else K[b, a, c, r]
+    return -1
+
+
+def assemble_tangent(
+    elements: Elements, pattern: Pattern, u: FloatArray
+) -> tuple[FloatArray, int]:
+    """Values of K(u) in the pattern's CSR order.
+
+    Returns
+    -------
+    data : (nnz,) array
+        N/mm.
+    inverted : int
+        First cell with det F ≤ 0, or −1; the values are then of no use.
+    """
+    check_state(elements, u)
+    data = np.zeros(len(pattern.indices))
+    pressure = NO_PRESSURE
+    if elements.averaging is not None:
+        state, inverted = mean_state(elements, u)
+        if state is None:
+            return data, inverted
+        pressure = state.pressure
+        _assemble_groups(elements, pattern, state, data)
+    inverted = _assemble(
+        elements.cells,
+        elements.gradients,
+        elements.rest,
+        elements.volumes,
+        elements.law,
+        elements.constants,
+        pressure,
+        u,
+        pattern.row,
+        pattern.slot,
+        pattern.indptr,
+        data,
+    )
+    return data, int(inverted)
+
+
+def _assemble_groups(
+    elements: Elements, pattern: Pattern, state: MeanState, data: FloatArray
+) -> None:
+    averaging = elements.averaging
+    assert averaging is not None
+    B = volume_gradients(
+        elements.volumes[:, None, None] * state.cofactors,
+        elements.gradients,
+        averaging.groups,
+        averaging.volumes,
+        averaging.place,
+        len(averaging.points),
+    )
+    add_group_tangent(
+        state.mean,
+        averaging.kappa,
+        averaging.volumes,
+        B,
+        averaging.start,
+        averaging.points,
+        pattern.row,
+        pattern.group_slot,
+        pattern.indptr,
+        data,
+    )

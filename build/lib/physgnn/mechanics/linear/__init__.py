@@ -1,0 +1,1 @@
+"""The tangent matrix factorised, and linear elasticity about the rest state."""

@@ -1,0 +1,1 @@
+"""Nodal forces and paths of them, pressure, gravity, prescribed displacements."""

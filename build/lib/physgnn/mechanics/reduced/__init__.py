@@ -1,0 +1,1 @@
+"""Equilibrium in few unknowns: submodels, expansions, POD–Galerkin."""

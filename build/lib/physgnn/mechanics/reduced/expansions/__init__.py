@@ -1,0 +1,1 @@
+"""Solutions expanded about reference states, and which of these is nearest."""

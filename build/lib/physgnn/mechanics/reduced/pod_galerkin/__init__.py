@@ -1,0 +1,1 @@
+"""Equilibrium in POD modes, over a few weighted cells."""

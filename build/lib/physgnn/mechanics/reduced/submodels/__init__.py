@@ -1,0 +1,1 @@
+"""A few cells of a body, solved by themselves."""

@@ -1,0 +1,1 @@
+"""How wrong a prediction may be: bounds that keep a promised coverage."""

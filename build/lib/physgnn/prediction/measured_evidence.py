@@ -1,0 +1,97 @@
+"""How well a displacement meets what was measured: what a status may rest on."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from physgnn.arrays import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class RigidOffset:
+    """A rigid offset of the navigation: how far it seems to be off.
+
+    Attributes
+    ----------
+    translation_mm : (3,) array
+        Along x, y and z, of the middle of what was measured.
+    rotation_deg : (3,) array
+        About x, y and z through that middle.
+    deviation_mm, deviation_deg : (3,) arrays
+        Standard deviations of these, given the data.
+    centre_mm : (3,) array
+        The middle.
+    log_ratio : float
+        Logarithm of how much more probable the data are with an offset, to the power
+        that counts.
+    probability : float
+        Of an offset, given the data.
+    change_mm : float
+        How far, at most, the displacement of a point is another with an offset.
+    corrected : bool
+        Whether the displacement is the one with an offset.
+    """
+
+    translation_mm: FloatArray
+    rotation_deg: FloatArray
+    deviation_mm: FloatArray
+    deviation_deg: FloatArray
+    centre_mm: FloatArray
+    log_ratio: float
+    probability: float
+    change_mm: float
+    corrected: bool
+
+    @property
+    def length_mm(self) -> float:
+        """Length of the translation."""
+        return float(np.linalg.norm(self.translation_mm))
+
+    @property
+    def turn_deg(self) -> float:
+        """Angle of the rotation."""
+        return float(np.linalg.norm(self.rotation_deg))
+
+
+@dataclass(frozen=True)
+class MeasurementFit:
+    """How well a registration meets what was measured.
+
+    Attributes
+    ----------
+    n_places : int
+        Places measured; those within 1 mm of each other count once: see
+        `physgnn.prediction.evidence.SAME_PLACE_MM`.
+    spread_mm : float
+        Standard deviation of the places along their second principal axis.
+    distance_mm : float
+        Median distance of a measured surface from the body's at rest; 0 for pairs.
+    translation_mm : float
+        Length of the translation that meets the pairs best; 0 for a surface, which
+        tells little of how it slides.
+    translation_misfit : float
+        Squared misfit of that translation over that of the elastic body, each divided
+        by its degrees of freedom; infinite for a surface.
+    misfit_ratio : float
+        Squared misfit over what the stated noise lets expect.
+    chance : float
+        Probability of a misfit as large, by noise alone.
+    outlier_share : float
+        Of the places of one kind, at most, that the rest contradicts.
+    offset : RigidOffset, optional
+        Where an offset of the navigation was looked for.
+    sunk_mm : float
+        How far what was measured sank into the brain, in the median; infinite where the
+        whole surface was measured.
+    """
+
+    n_places: int
+    spread_mm: float
+    distance_mm: float
+    translation_mm: float
+    translation_misfit: float
+    misfit_ratio: float
+    chance: float
+    outlier_share: float = 0.0
+    offset: RigidOffset | None = None
+    sunk_mm: float = float("inf")

@@ -1,0 +1,129 @@
+"""What a displacement is called, and what to do about it."""
+
+import re
+from enum import IntEnum
+
+ARGUMENT = re.compile(r"\b[a-z]+(_[a-z]+)+\b")
+
+
+class PredictionStatus(IntEnum):
+    """How a prediction or a registration ended. The text of each is its remedy.
+
+    It names arguments of the functions; `remedy_for` names a command's options.
+    """
+
+    OK = 0
+    SOLVED = 1
+    OUTSIDE_TRAINED_RANGE = 2
+    TOLERANCE_NOT_MET = 3
+    REPAIRED = 4
+    NO_ERROR_ESTIMATE = 5
+    ERROR_TOO_LARGE = 6
+    IMPLAUSIBLE_DISPLACEMENT = 7
+    TOO_FEW_POINTS = 8
+    MEASUREMENT_TOO_FAR = 9
+    MOVED_AS_A_WHOLE = 10
+    MISFIT_ABOVE_NOISE = 11
+    NAVIGATION_OFFSET = 12
+    OFFSET_NOT_TOLD = 13
+
+    @property
+    def remedy(self) -> str:
+        """One line: what happened and what to do."""
+        return _REMEDY[self]
+
+    def remedy_for(self, command: str) -> str:
+        """Return the remedy as a command says it: with options that it has.
+
+        Parameters
+        ----------
+        command : str
+            "predict" or "register".
+        """
+        text = self.remedy
+        if command == "register":
+            text = _REMEDY_OF_REGISTRATION.get(self, text)
+        return ARGUMENT.sub(lambda name: "--" + name[0].replace("_", "-"), text)
+
+    @property
+    def usable(self) -> bool:
+        """Whether the displacement may be used with its error estimate as it is."""
+        return self in (
+            PredictionStatus.OK,
+            PredictionStatus.REPAIRED,
+            PredictionStatus.SOLVED,
+        )
+
+    def __str__(self) -> str:
+        return self.name.lower().replace("_", " ")
+
+
+_REMEDY = {
+    PredictionStatus.OK: "the prediction can be used with its error estimate",
+    PredictionStatus.REPAIRED: (
+        "the estimate was above the tolerance, so the prediction was taken to "
+        "equilibrium: raise tolerance_mm to save its time"
+    ),
+    PredictionStatus.SOLVED: (
+        "the load was solved by finite elements from rest, no prediction being near "
+        "enough: raise tolerance_mm to save its time"
+    ),
+    PredictionStatus.OUTSIDE_TRAINED_RANGE: (
+        "the load lies outside the trained range, where the error estimate promises "
+        "nothing: give tolerance_mm to have it solved"
+    ),
+    PredictionStatus.TOLERANCE_NOT_MET: (
+        "the solve ended before it reached equilibrium: lower the force or refine the "
+        "mesh under it"
+    ),
+    PredictionStatus.NO_ERROR_ESTIMATE: (
+        "nothing says how large the error is: take the physical estimate, or train the "
+        "run again with held-out load paths to calibrate it"
+    ),
+    PredictionStatus.ERROR_TOO_LARGE: (
+        "the error may be too large beside the displacement: give tolerance_mm to have "
+        "it repaired"
+    ),
+    PredictionStatus.IMPLAUSIBLE_DISPLACEMENT: (
+        "no brain moves like that: check units, axes and the size of what was given"
+    ),
+    PredictionStatus.TOO_FEW_POINTS: (
+        "the measured points are too few or too close together to tell how a brain "
+        "moved: measure more of them, spread over the exposed surface"
+    ),
+    PredictionStatus.MEASUREMENT_TOO_FAR: (
+        "the measured surface does not lie near the brain's: check coordinates, units "
+        "(mm) and the tracker's registration"
+    ),
+    PredictionStatus.MOVED_AS_A_WHOLE: (
+        "everything measured moved alike, as it does when the tracker has moved and "
+        "not the brain: check the tracker's reference"
+    ),
+    PredictionStatus.MISFIT_ABOVE_NOISE: (
+        "what was measured does not fit this brain to within the stated noise: check "
+        "for swapped or bad points, the mesh, and noise_mm"
+    ),
+    PredictionStatus.NAVIGATION_OFFSET: (
+        "the navigation seems to be off by a rigid motion: give --rigid-offset to have "
+        "it corrected, or register the tracker again"
+    ),
+    PredictionStatus.OFFSET_NOT_TOLD: (
+        "the brain hardly sank where it was measured: either it swells, or the "
+        "navigation is off outward and hides that it sank; measure the whole surface, "
+        "or points that cannot have moved"
+    ),
+}
+
+_REMEDY_OF_REGISTRATION = {
+    PredictionStatus.TOLERANCE_NOT_MET: (
+        "the search for equilibrium ended early: check points, --materials and --skull"
+    ),
+    PredictionStatus.NO_ERROR_ESTIMATE: (
+        "nothing says how large the error is: measure more points, spread over the "
+        "exposed surface"
+    ),
+    PredictionStatus.ERROR_TOO_LARGE: (
+        "the error may be too large beside the displacement: measure more points, "
+        "spread over the exposed surface, or landmarks inside the brain"
+    ),
+}

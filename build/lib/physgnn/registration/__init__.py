@@ -1,0 +1,1 @@
+"""From what was measured in the operating theatre to the displacement everywhere."""

@@ -1,0 +1,123 @@
+"""How well a registration meets what was measured: the evidence for its status."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from scipy.stats import chi2
+
+from physgnn.arrays import BoolArray, FloatArray
+from physgnn.geometry.measured import farthest_points
+from physgnn.prediction.evidence import SAME_PLACE_MM
+from physgnn.prediction.measured_evidence import MeasurementFit, RigidOffset
+from physgnn.registration.inference.heavy_tails import RobustFit
+from physgnn.registration.inference.rows import MeasuredRows
+from physgnn.registration.measurements.observation import Measurement
+from physgnn.registration.measurements.points import MeasuredPoints
+
+# The stated noise may be too small by this factor before a misfit counts against it:
+# a tracker's noise is known no better.
+NOISE_KNOWN_WITHIN = 1.5
+
+
+def fit_of(
+    measured: Sequence[Measurement],
+    rows: MeasuredRows,
+    fit: RobustFit,
+    offset: RigidOffset,
+) -> MeasurementFit:
+    """Return how well a displacement meets what was measured.
+
+    Outliers count as not measured.
+
+    Parameters
+    ----------
+    measured : sequence of Measurement
+        Everything measured.
+    rows : MeasuredRows
+        About the registered state.
+    fit : RobustFit
+        Of the last step.
+    offset : RigidOffset
+        Of the navigation.
+    """
+    kept = ~fit.outliers
+    points = np.concatenate([one.points for one in measured])[kept]
+    few = (
+        points[farthest_points(points, spacing=SAME_PLACE_MM)]
+        if len(points)
+        else points
+    )
+    counts = np.cumsum([0, *(n for n, _ in rows.blocks)])
+    parts = [slice(*ends) for ends in pairwise(counts)]
+    ratios = [_misfit(rows, fit, part, kept) for part in parts]
+    worst = min(ratios, key=lambda found: found[1])
+    translation, as_well = _whole_translation(measured, parts, kept, rows, fit)
+    return MeasurementFit(
+        n_places=len(few),
+        spread_mm=second_spread(few),
+        distance_mm=max(one.distance_mm for one in measured),
+        translation_mm=translation,
+        translation_misfit=as_well,
+        misfit_ratio=worst[0],
+        chance=worst[1],
+        outlier_share=max(float(fit.outliers[part].mean()) for part in parts),
+        offset=offset,
+        sunk_mm=max(one.sunk_mm for one in measured),
+    )
+
+
+def _misfit(
+    rows: MeasuredRows, fit: RobustFit, part: slice, kept: BoolArray
+) -> tuple[float, float]:
+    """Return the squared misfit of some places over what noise lets expect, its chance.
+
+    Those that are outliers are left out.
+    """
+    chosen = np.zeros(len(kept), dtype=bool)
+    chosen[part] = kept[part]
+    data = rows.spread(chosen.astype(float)) > 0
+    freedom = float((1.0 - fit.posterior.leverage[data]).sum())
+    square = float((fit.misfit[data] ** 2).sum())
+    ratio = square / max(freedom, 1e-12)
+    return ratio, float(chi2.sf(square / NOISE_KNOWN_WITHIN**2, max(freedom, 1e-12)))
+
+
+def _whole_translation(
+    measured: Sequence[Measurement],
+    parts: Sequence[slice],
+    kept: BoolArray,
+    rows: MeasuredRows,
+    fit: RobustFit,
+) -> tuple[float, float]:
+    """Return the translation nearest to all pairs, and its misfit over the body's."""
+    moved = [
+        one.moved[kept[part]]
+        for one, part in zip(measured, parts, strict=True)
+        if isinstance(one, MeasuredPoints)
+    ]
+    if len(moved) < len(measured) or not sum(map(len, moved)):
+        return 0.0, np.inf
+    translation, misfit = best_translation(np.concatenate(moved))
+    data = rows.spread(kept.astype(float)) > 0
+    square = float(((fit.misfit * rows.noise)[data] ** 2).sum())
+    freedom = float((1.0 - fit.posterior.leverage[data]).sum())
+    elastic = square / max(freedom, 1.0)
+    return translation, misfit / max(elastic, np.finfo(float).tiny)
+
+
+def second_spread(places: FloatArray) -> float:
+    """Return the standard deviation of places along their second principal axis, mm."""
+    away = places - places.mean(axis=0)
+    sizes = np.linalg.svd(away, compute_uv=False)
+    return float(sizes[1] / np.sqrt(len(places))) if len(sizes) > 1 else 0.0
+
+
+def best_translation(moved: FloatArray) -> tuple[float, float]:
+    """Return the length of the translation nearest to displacements, and its misfit.
+
+    The misfit is the sum of squares that is left, over its degrees of freedom, mm².
+    """
+    mean = moved.mean(axis=0)
+    left = float(((moved - mean) ** 2).sum()) / max(moved.size - 3, 1)
+    return float(np.linalg.norm(mean)), left

@@ -1,0 +1,1 @@
+"""From rows of measurements to the most probable displacement and its spread."""

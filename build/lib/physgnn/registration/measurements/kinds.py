@@ -1,0 +1,109 @@
+"""The kinds of measurement: a row of the table each.
+
+To add one, write a class with the attributes of `Measurement` and a row.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from physgnn.errors import InputError
+from physgnn.geometry.boundary import boundary_points
+from physgnn.geometry.measured import (
+    Landmarks,
+    PointPairs,
+    SurfacePoints,
+    WholeSurface,
+)
+from physgnn.geometry.plausibility import check_same_units
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
+from physgnn.registration.measurements.observation import Measurement
+from physgnn.registration.measurements.points import (
+    measured_landmarks,
+    measured_pairs,
+)
+from physgnn.registration.measurements.surfaces import (
+    MeasuredSurface,
+    MeasuredWholeSurface,
+)
+
+Measured = PointPairs | Landmarks | SurfacePoints | WholeSurface
+Noise = float | Mapping[str, float]
+LARGEST_NOISE_MM = 20.0
+DEFAULT_NOISE_MM = 1.0
+
+
+def _pairs(body: Body, measured: Any) -> Measurement:
+    return measured_pairs(body, measured)
+
+
+def _landmarks(body: Body, measured: Any) -> Measurement:
+    return measured_landmarks(body, measured)
+
+
+def _surface(body: Body, measured: Any) -> Measurement:
+    return MeasuredSurface(body.mesh, body.fixed, measured)
+
+
+def _whole_surface(body: Body, measured: Any) -> Measurement:
+    return MeasuredWholeSurface(body.mesh, measured)
+
+
+KINDS: Mapping[type, Callable[[Body, Any], Measurement]] = {
+    PointPairs: _pairs,
+    Landmarks: _landmarks,
+    SurfacePoints: _surface,
+    WholeSurface: _whole_surface,
+}
+
+
+def measurements_of(
+    body: Body, measured: Measured | Sequence[Measured]
+) -> list[Measurement]:
+    """Return everything measured, placed in a body.
+
+    Raises
+    ------
+    InputError
+        If nothing is given, or something is in another unit than the body or far from
+        it.
+    """
+    given = measured if isinstance(measured, Sequence) else [measured]
+    if not given:
+        raise InputError("nothing was measured: give points or a surface")
+    for one in given:
+        _check_units(body.mesh, one)
+    return [KINDS[type(one)](body, one) for one in given]
+
+
+def _check_units(mesh: TetMesh, measured: Measured) -> None:
+    if isinstance(measured, PointPairs):
+        check_same_units(measured.source, mesh.points, "measured points")
+    else:
+        surface = mesh.points[boundary_points(mesh)]
+        check_same_units(measured.points, surface, "measured surface")
+
+
+def noises_of(measurements: Sequence[Measurement], noise_mm: Noise) -> list[float]:
+    """Return the noise of each measurement, mm.
+
+    Parameters
+    ----------
+    measurements : sequence of Measurement
+        Everything measured.
+    noise_mm : float or mapping
+        Of all, or of each kind by its name; 1 mm where it is not named.
+
+    Raises
+    ------
+    InputError
+        If one is not in (0, 20] mm, of a kind that was not measured either.
+    """
+    if not isinstance(noise_mm, Mapping):
+        noise_mm = {one.kind: noise_mm for one in measurements}
+    for kind, noise in noise_mm.items():
+        if not 0 < noise <= LARGEST_NOISE_MM:
+            raise InputError(
+                f"noise_mm of {kind} must be in (0, {LARGEST_NOISE_MM:g}] (got {noise})"
+            )
+    return [float(noise_mm.get(one.kind, DEFAULT_NOISE_MM)) for one in measurements]

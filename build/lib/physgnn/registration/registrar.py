@@ -1,0 +1,312 @@
+"""From what was measured to the displacement everywhere.
+
+The unknown forces are a combination of load modes (`load_modes`), f = B w, with
+Gaussian coefficients w ~ N(0, Λ); what is measured is d = P u + noise, P the places and
+directions of the measurements (`measurements`). The most probable displacement
+minimises
+
+    Σ ρ(d − P u, σ) + wᵀ Λ⁻¹ w    where    f_int(u) = B w,
+
+ρ the logarithm of a density with heavy tails (`inference.heavy_tails`), σ the noise of
+each kind of measurement. Both are sought at once (`inference.search`). The data hold
+the iteration where the body was seen to be; solving for equilibrium under every w on
+the way would not, since soft bodies buckle. A measured surface is matched anew at
+every one of the first steps. The first step is linear elasticity; Λ is chosen there.
+The posterior of the last step, widened by what simulated shifts say of the model's own
+error, is the error bar (`inference.bounds`).
+"""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from physgnn.arrays import BoolArray, FloatArray
+from physgnn.dataset.membranes import Membranes
+from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics import deformation_gradient
+from physgnn.mechanics.body import Body
+from physgnn.prediction.evidence import Evidence, Verdict, decide
+from physgnn.prediction.measured_evidence import RigidOffset
+from physgnn.prediction.prediction import ErrorBound, Prediction
+from physgnn.registration.covariances import point_covariance
+from physgnn.registration.fit import fit_of
+from physgnn.registration.inference.bounds import (
+    error_lengths,
+    estimate_of,
+    factors_of,
+    mixed_covariance,
+)
+from physgnn.registration.inference.continuation import Continuation
+from physgnn.registration.inference.rows import MeasuredRows
+from physgnn.registration.inference.search import Reached, Search
+from physgnn.registration.load_families import load_modes
+from physgnn.registration.measurements.kinds import (
+    DEFAULT_NOISE_MM,
+    Measured,
+    Noise,
+    measurements_of,
+    noises_of,
+)
+from physgnn.registration.measurements.observation import Measurement
+from physgnn.registration.misfits import Misfit, misfits_of
+from physgnn.registration.mode_response import ModeResponse
+from physgnn.registration.skull import SUPPORTS, with_membranes
+from physgnn.registration.tangent_response import TangentResponse
+
+
+@dataclass(frozen=True, eq=False)
+class Registration:
+    """A whole displacement field from what was measured.
+
+    Attributes
+    ----------
+    prediction : Prediction
+        Displacement, error estimate, status with its reasons, and time.
+    deviation_mm : (n_points,) array
+        Standard deviation of each point's displacement (root of the trace).
+    covariance_mm2 : (n_points, 3, 3) array
+        Of each point's error; its root trace is `deviation_mm`.
+    forces : (n_points, 3) array
+        The nodal forces that explain the measurement, N; not unique. Under them the
+        body lies so without any growth.
+    misfit_mm : float
+        Root mean square distance between measured and registered places that are no
+        outliers; of a measured surface, across it.
+    held_out_mm : float
+        The same for places that were left out, each predicted from the others.
+    misfits : tuple of Misfit
+        Of every place, with its weight; outliers among them.
+    offset : RigidOffset
+        Of the navigation; part of the displacement only if it is not `corrected`.
+    """
+
+    prediction: Prediction
+    deviation_mm: FloatArray
+    covariance_mm2: FloatArray
+    forces: FloatArray
+    misfit_mm: float
+    held_out_mm: float
+    misfits: tuple[Misfit, ...]
+    offset: RigidOffset
+
+    @property
+    def outliers(self) -> tuple[Misfit, ...]:
+        """Places that the rest contradicts, the farthest first."""
+        found = [one for one in self.misfits if one.is_outlier]
+        return tuple(sorted(found, key=lambda one: -one.distance_mm))
+
+
+class Registrar:
+    """A body ready to be registered: everything that does not depend on measurements.
+
+    Parameters
+    ----------
+    body : Body
+        Its mesh is the rest state, its fixed points are those at the skull. Only ratios
+        of stiffness matter, since displacements are measured, not forces.
+    skull : str
+        "fixed" if the points at the skull are held there, "sliding" if they may move
+        along it (a row of `physgnn.registration.skull.SUPPORTS`).
+    causes : sequence of str, optional
+        Physiological causes in the prior, rows of
+        `physgnn.registration.causes.CAUSES`; by default all that the body has the sets
+        for.
+    membranes : Membranes
+        How falx and tentorium act; by default they are left out.
+
+    Raises
+    ------
+    InputError
+        If there is no such row, the fixed points do not hold the body, or the body
+        lacks a membrane or what a named cause acts on.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        *,
+        skull: str = "fixed",
+        causes: Sequence[str] | None = None,
+        membranes: Membranes | None = None,
+    ) -> None:
+        if skull not in SUPPORTS:
+            raise InputError(
+                f"skull must be one of {', '.join(SUPPORTS)} (got '{skull}')"
+            )
+        self.body, self.skull = body, skull
+        self.causes, self.membranes = causes, membranes or Membranes()
+        support = with_membranes(SUPPORTS[skull](body), body, self.membranes)
+        self.tangent = TangentResponse(body, support)
+        self.modes = load_modes(
+            body.mesh,
+            body.fixed,
+            self._at_rest,
+            elements=body.elements,
+            causes=causes,
+        )
+        self._respond = ModeResponse(self.tangent, self.modes)
+        self._reached: Reached | None = None  # of the last call, whose factor is kept
+
+    def __call__(
+        self,
+        measured: Measured | Sequence[Measured],
+        *,
+        noise_mm: Noise = DEFAULT_NOISE_MM,
+        rigid_offset: bool = False,
+        after: FloatArray | None = None,
+        linear: bool = False,
+        coverage: float = 0.9,
+        seed: int = 0,
+    ) -> Registration:
+        """Return the displacement field that the measurements tell of.
+
+        Parameters
+        ----------
+        measured : PointPairs, Landmarks, SurfacePoints, WholeSurface, or several
+            Points of the surface or inside before and after, where the exposed or the
+            whole surface lies (a row each of
+            `physgnn.registration.measurements.kinds.KINDS`).
+        noise_mm : float or mapping
+            Standard deviation of each coordinate of a measured displacement or point,
+            in (0, 20]; of each kind by its name ("pairs", "landmarks", "surface",
+            "whole surface"), 1 mm where it is not named.
+        rigid_offset : bool
+            Correct a rigid offset of the navigation. It is looked for either way.
+        after : (n_points, 3) array, optional
+            The displacement of the state before, mm, where the search begins: the
+            result is the same to within a fraction of the noise, in a fraction of the
+            time (`physgnn.registration.inference.continuation`).
+        linear : bool
+            Stop after the first step, linear elasticity.
+        coverage : float
+            Probability that an error bound shall hold, in (0, 1).
+        seed : int
+            Of the draws that the error bounds are counted on.
+
+        Raises
+        ------
+        InputError
+            If something is in another unit than the body or far from it, or a number
+            is out of range.
+        """
+        if not 0 < coverage < 1:
+            raise InputError(f"coverage must be in (0, 1) (got {coverage})")
+        start = time.perf_counter()
+        measurements = measurements_of(self.body, measured)
+        noises = noises_of(measurements, noise_mm)
+        search, whole = self._searched(
+            measurements,
+            noises,
+            with_offset=rigid_offset,
+            after=after,
+            linear=linear,
+        )
+        fit, rows = search.fit, search.rows()
+        offset, alternatives = search.offset()
+        lengths = error_lengths(alternatives, search.response, seed)
+        kinds = [one.kind for one in measurements]
+        factors = factors_of(kinds, corrected=rigid_offset)
+        estimate = estimate_of(lengths, coverage, factors)
+        verdict = self._verdict(search, estimate, measurements, offset, whole)
+        deviation = factors.of_mean * lengths.deviation_mm
+        covariance = point_covariance(
+            mixed_covariance(alternatives), search.response, deviation
+        )
+        seconds = time.perf_counter() - start
+        kept = rows.spread((~fit.outliers).astype(float)) > 0
+        root = np.sqrt(rows.spread(fit.weights))
+        return Registration(
+            prediction=Prediction(
+                search.u, estimate, verdict.status, seconds, reasons=verdict.reasons
+            ),
+            deviation_mm=deviation,
+            covariance_mm2=covariance,
+            forces=self._respond.forces(search.u, search.w),
+            misfit_mm=_rms(fit.misfit * rows.noise, kept, rows),
+            held_out_mm=_rms(fit.posterior.held_out / root * rows.noise, kept, rows),
+            misfits=misfits_of(measurements, rows, fit.misfit, fit.weights),
+            offset=offset,
+        )
+
+    def _searched(
+        self,
+        measured: Sequence[Measurement],
+        noises: Sequence[float],
+        *,
+        with_offset: bool,
+        after: FloatArray | None,
+        linear: bool,
+    ) -> tuple[Search, bool]:
+        """Return a search that has ended, and whether it came to rest."""
+        given = self._respond, self.modes, measured, noises
+        start = None if after is None or linear else self._at(after)
+        self._reached = None
+        if start is not None:
+            search: Search = Continuation(*given, start=start, with_offset=with_offset)
+            if search.descend():
+                self._reached = search.reached
+                return search, True
+        search = Search(*given, with_offset=with_offset)
+        if linear:
+            return search, search.linear_step()
+        whole = search.descend()
+        if whole:
+            self._reached = search.reached
+        return search, whole
+
+    def _at(self, displacement: FloatArray) -> Reached | None:
+        """Return the state with this displacement; None if the body is not stable.
+
+        Where it is not the last one, nothing is known of growth: it begins with none.
+        """
+        last = self._reached
+        if last is not None and np.array_equal(last.displacement, displacement):
+            return last
+        rest = np.zeros(len(self.modes.family))
+        found = self._respond(displacement, rest)
+        return None if found is None else Reached(displacement, rest, found[0])
+
+    def _verdict(
+        self,
+        search: Search,
+        estimate: ErrorBound,
+        measured: Sequence[Measurement],
+        offset: RigidOffset,
+        converged: bool,
+    ) -> Verdict:
+        return decide(
+            Evidence(
+                largest_mm=float(np.linalg.norm(search.u, axis=1).max()),
+                bound_mm=estimate.max_mm,
+                converged=converged,
+                jacobian=_volume_changes(self.body.mesh, search.u),
+                fit=fit_of(measured, search.rows(), search.fit, offset),
+            )
+        )
+
+    def _at_rest(self, forces: FloatArray) -> FloatArray:
+        """Return what forces (k, n_points, 3) do by linear elasticity, mm."""
+        rest = np.zeros_like(self.body.mesh.points)
+        found = self.tangent(rest, forces.astype(np.float32))
+        if found is None:
+            raise InputError(
+                "the fixed points don't hold the body: its stiffness matrix is "
+                "singular; fix at least three points that are not in line"
+            )
+        return found[0].astype(np.float64)
+
+
+def _volume_changes(mesh: TetMesh, u: FloatArray) -> tuple[float, float]:
+    """Return the smallest and the largest det F over cells."""
+    J = np.linalg.det(deformation_gradient(mesh, u))
+    return float(J.min()), float(J.max())
+
+
+def _rms(lengths: FloatArray, kept: BoolArray, rows: MeasuredRows) -> float:
+    """Root mean square length of the rows of places that are kept, mm."""
+    shares = np.concatenate([np.full(n * k, 1.0 / k) for n, k in rows.blocks])
+    count = float(shares[kept].sum())
+    return float(np.sqrt((lengths[kept] ** 2).sum() / count)) if count else np.nan

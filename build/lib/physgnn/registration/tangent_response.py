@@ -1,0 +1,102 @@
+"""How a deformed body responds to a little more force: K(u)⁻¹ f."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physgnn.arrays import FloatArray
+from physgnn.mechanics.body import Body
+from physgnn.mechanics.elements.tangent import assemble_tangent
+from physgnn.mechanics.elements.tet4 import Elements, internal_force
+from physgnn.mechanics.linear.direct_solver import make_linear_solver
+from physgnn.mechanics.support import check_held
+from physgnn.registration.skull import Support
+
+Fields = NDArray[np.float32]
+
+
+class TangentResponse:
+    """Linear elasticity about any state, in equilibrium or not.
+
+    Its `elements` are the body's, before any growth.
+
+    Parameters
+    ----------
+    body : Body
+        What is loaded.
+    support : Support
+        How the skull holds its fixed points.
+    """
+
+    def __init__(self, body: Body, support: Support) -> None:
+        check_held(body.mesh, body.fixed)  # for good, or by the skull's springs
+        self.elements = body.elements
+        self._pattern = body.pattern_holding(support.held)
+        self._support = support
+        # Responses are kept in single precision: so may be their factor.
+        self._linear = make_linear_solver(self._pattern, precision="single")
+
+    def __call__(
+        self,
+        displacement: FloatArray,
+        forces: Fields,
+        elements: Elements | None = None,
+    ) -> tuple[Fields, FloatArray] | None:
+        """Return the responses K(u)⁻¹ f and the step backward −K(u)⁻¹ f_int(u), mm.
+
+        Under forces f a Newton step from u is the sum of the two.
+
+        Parameters
+        ----------
+        displacement : (n_points, 3) array
+            u, mm.
+        forces : (k, n_points, 3) array
+            N.
+        elements : Elements, optional
+            As they have grown; by default those of the rest state.
+
+        Returns
+        -------
+        (k, n_points, 3) float32 array, (n_points, 3) array, or None
+            None if a cell is inverted or K(u) not positive definite.
+        """
+        elements = self.elements if elements is None else elements
+        inner, inverted = internal_force(elements, displacement)
+        if inverted >= 0:
+            return None
+        self._support.add_force(displacement, inner)
+        data, _ = assemble_tangent(elements, self._pattern, displacement)
+        self._support.add_tangent(self._pattern, data)
+        if not self._linear.factorize(data):
+            return None
+        # in single precision, as the factor: hundreds of fields take their time
+        loads = np.concatenate([forces, -inner[None].astype(np.float32)])
+        moved = self._pattern.on_points(
+            self._linear.solve(self._pattern.unknowns(loads))
+        )
+        return moved[:-1].astype(np.float32), moved[-1]
+
+    def backward(
+        self, displacement: FloatArray, elements: Elements | None = None
+    ) -> FloatArray | None:
+        """Return the step backward by the tangent that was factorised last, mm.
+
+        Parameters
+        ----------
+        displacement : (n_points, 3) array
+            u, mm.
+        elements : Elements, optional
+            As they have grown; by default those of the rest state.
+
+        Returns
+        -------
+        (n_points, 3) array or None
+            −K⁻¹ f_int(u), K of another state; None if a cell is inverted.
+        """
+        grown = self.elements if elements is None else elements
+        inner, inverted = internal_force(grown, displacement)
+        if inverted >= 0:
+            return None
+        self._support.add_force(displacement, inner)
+        right = self._pattern.unknowns(-inner[None])
+        moved: FloatArray = self._pattern.on_points(self._linear.solve(right))[0]
+        return moved

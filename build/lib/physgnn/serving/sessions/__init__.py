@@ -1,0 +1,1 @@
+"""One browser: its loads solved in turn, and dropped when newer ones come."""

@@ -1,0 +1,68 @@
+"""What the page is told of a craniotomy and of a registered state."""
+
+import numpy as np
+
+from physgnn.serving.patient.desk import Opening, RegisteredShift
+from physgnn.serving.protocol.frames import encode
+from physgnn.serving.scene.colours import SolvedLoad
+from physgnn.serving.scene.section import Section
+from physgnn.serving.sessions.engine import Engine
+from physgnn.serving.sessions.predictions import described, drawn_arrays
+
+REGISTRATION = "registration"  # what found the displacement, on the page
+MOST_LISTED = 2000  # measured places that are drawn; a surface has more
+
+
+def opening_frame(engine: Engine, opening: Opening) -> bytes:
+    """Return which of the points drawn are laid open, and which are held."""
+    header = {
+        "kind": "craniotomy",
+        "centre_mm": opening.centre_mm.tolist(),
+        "area_cm2": opening.area_mm2 / 100,
+        "n_loaded": len(opening.loaded),
+        "n_held": len(opening.fixed),
+    }
+    shown = engine.shown.nodes
+    arrays = {
+        "loaded": np.isin(shown, opening.loaded).astype(np.uint8),
+        "held": np.isin(shown, opening.fixed).astype(np.uint8),
+    }
+    return encode(header, arrays)
+
+
+def state_frame(
+    engine: Engine,
+    states: list[tuple[str, RegisteredShift]],
+    number: int,
+    field: str,
+    section: Section | None,
+) -> bytes:
+    """Return one registered state of a series, at the points drawn."""
+    name, shift = states[number]
+    solved = SolvedLoad(REGISTRATION, None, shift.prediction, shift.deviation_mm)
+    worst = sorted(shift.misfits, key=lambda one: -one.distance_mm)
+    listed = worst[:MOST_LISTED]
+    header = {
+        "kind": "state",
+        "state": number,
+        "states": len(states),
+        "name": name,
+        **described(engine, field, solved),
+        "deviation_mm": float(shift.deviation_mm.mean()),
+        "misfit_mm": _known(shift.misfit_mm),
+        "held_out_mm": _known(shift.held_out_mm),
+        "notes": list(shift.notes),
+        "misfits": [
+            {"label": one.label, "mm": one.distance_mm, "outlier": one.is_outlier}
+            for one in listed
+        ],
+    }
+    arrays = drawn_arrays(engine, field, solved, section)
+    arrays["measured"] = np.array(
+        [one.place_mm for one in listed], dtype=np.float64
+    ).reshape(-1, 3)
+    return encode(header, arrays)
+
+
+def _known(value: float) -> float | None:
+    return value if np.isfinite(value) else None

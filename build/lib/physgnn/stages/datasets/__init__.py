@@ -1,0 +1,1 @@
+"""The commands that make datasets: simulate, import, export, anatomies."""

@@ -1,0 +1,1 @@
+"""The commands that run whole experiments on one resumable pipeline."""

@@ -1,0 +1,1 @@
+"""The command that makes a material of what was measured: fit-material."""

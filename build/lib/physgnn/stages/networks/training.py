@@ -1,0 +1,188 @@
+"""From a dataset to a trained run with calibrated bounds."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from physgnn.config import read_training
+from physgnn.dataset import Split, Store, named_split
+from physgnn.dataset.splits.meshes import split_meshes
+from physgnn.errors import InputError
+from physgnn.progress import Progress
+from physgnn.stages.outputs import Output, writes
+
+if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
+    from physgnn.learning.runs.checkpoint import Checkpoint
+    from physgnn.learning.training.config import TrainingConfig
+
+
+@writes(out=Output(is_folder=True, inside=("start",)))
+def train(
+    store: str | Path | Sequence[str | Path],
+    out: str | Path,
+    *,
+    config: str | Path | None = None,
+    model: str | None = None,
+    configuration: int | None = None,
+    split: str | None = None,
+    start: str | Path | None = None,
+    loss: str | None = None,
+    batch_size: int | None = None,
+    learning_rate: float | None = None,
+    max_epochs: int | None = None,
+    max_minutes: float | None = None,
+    memory_mb: float | None = None,
+    precision: str | None = None,
+    seed: int | None = None,
+    device: str = "cpu",
+    devices: int = 1,
+    num_nodes: int = 1,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> "Checkpoint":
+    """Train a network on a dataset, or on several, and calibrate its error bounds.
+
+    Parameters
+    ----------
+    store : path or sequence of paths
+        Dataset made by `simulate`, or one dataset a patient.
+    out : path
+        Folder to train into.
+    config : path, optional
+        TOML with training settings, see `physgnn.config.training`; those given here
+        win over the file's.
+    model : str, optional
+        A row of ``MODELS``; by default the lifted network, or the published one if one
+        of its options is given. To resume, by default that of the run.
+    loss, batch_size, learning_rate, max_epochs, max_minutes, memory_mb, precision, \
+seed
+        Fields of `physgnn.learning.training.config.TrainingConfig`.
+    configuration : int, optional
+        1 to 12, of the published network.
+    split : str, optional
+        A row of ``SPLITS``, by default ``path``; of several datasets ``mesh``.
+    start : path, optional
+        A run to begin with the weights of; model and options are then its own, unless
+        the configuration gives options.
+    device, devices, num_nodes
+        Where to train: see `physgnn.learning.training.devices.Machine`.
+    resume : bool
+        Continue an interrupted run.
+    progress : callable, optional
+        Called with the part of the budget spent, in thousandths.
+
+    Returns
+    -------
+    Checkpoint
+        The best model.
+
+    Raises
+    ------
+    InputError
+        If a file or setting cannot be used, or the folder holds a run already.
+    """
+    from physgnn.learning.training.devices import Machine
+
+    options = {} if configuration is None else {"configuration": configuration}
+    settings = read_training(
+        config,
+        **_model_of_run(Path(out)) if resume else {},
+        model=model,
+        loss=loss,
+        batch_size=batch_size,
+        learning_rate=learning_rate,
+        max_epochs=max_epochs,
+        max_minutes=max_minutes,
+        memory_mb=memory_mb,
+        precision=precision,
+        seed=seed,
+        options=options,
+    )
+    return train_run(
+        store,
+        split,
+        settings,
+        out,
+        start=start,
+        progress=progress,
+        machine=Machine(device, devices, num_nodes),
+        resume=resume,
+    )
+
+
+def _model_of_run(run: Path) -> dict[str, Any]:
+    """Return what a run to resume trains if nothing else is said: its own model."""
+    from physgnn.learning.runs.folder import RunFolder
+    from physgnn.learning.runs.record import read_json
+
+    record = RunFolder(run).record
+    if not record.is_file():
+        return {}  # training says what is missing
+    return {"default_model": read_json(record)["config"]["model"]}
+
+
+def train_run(
+    stores: str | Path | Sequence[str | Path],
+    split: str | None,
+    config: "TrainingConfig",
+    run: str | Path,
+    *,
+    start: str | Path | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> "Checkpoint":
+    """Train on a split of a dataset, or on several, and calibrate the error bounds.
+
+    Parameters
+    ----------
+    stores, run : paths
+        The dataset, or one dataset a patient, and the folder to train into.
+    split : str or None
+        A row of ``SPLITS`` for one dataset; of several ``mesh``: whole patients are
+        held out. By default ``path`` or ``mesh``.
+    config : TrainingConfig
+        How to train.
+    start : path, optional
+        A run to begin with the weights of; model and options are then its own, unless
+        the configuration gives options.
+    progress, **options
+        See `physgnn.learning.training.training_run.train`.
+    """
+    from physgnn.learning.runs.checkpoint import Checkpoint
+    from physgnn.learning.training.training_run import is_first_process
+    from physgnn.learning.training.training_run import train as train_model
+    from physgnn.prediction.error_bounds.run_calibration import (
+        calibrate_family,
+        calibrate_run,
+    )
+
+    if start is not None:
+        options["start"] = begun = Checkpoint.load(start)
+        config = _as_begun(config, begun)
+    paths = [stores] if isinstance(stores, str | Path) else list(stores)
+    # Training keeps what it read in a file: the store needn't keep it too.
+    opened = [Store.open(path, cache_bytes=128 * 2**20) for path in paths]
+    parts = _splits(split, opened)
+    checkpoint = train_model(opened, parts, config, run, progress=progress, **options)
+    if is_first_process():
+        if len(opened) == 1:
+            calibrate_run(run, opened[0], parts[0], progress=progress)
+        else:
+            calibrate_family(run, opened, parts, progress=progress)
+    return checkpoint
+
+
+def _splits(name: str | None, stores: Sequence[Store]) -> list[Split]:
+    if len(stores) == 1:
+        return [named_split(name or "path", stores[0])]
+    if name not in (None, "mesh"):
+        raise InputError(f"several datasets have split mesh only (got {name})")
+    return split_meshes(stores)
+
+
+def _as_begun(config: "TrainingConfig", begun: "Checkpoint") -> "TrainingConfig":
+    """Return a configuration whose model is that of a run to begin with."""
+    earlier = begun.record["config"]
+    options = {**earlier["options"], **config.options}
+    return replace(config, model=earlier["model"], options=options)

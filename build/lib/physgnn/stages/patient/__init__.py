@@ -1,0 +1,1 @@
+"""The commands of one patient: mesh, adapt, predict, register, warp, view."""

@@ -1,0 +1,1 @@
+"""From a displacement to scans, plans and errors as images."""

@@ -1,0 +1,1 @@
+"""In the operating theatre: from loads, or measurements, to a displacement."""
