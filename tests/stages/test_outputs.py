@@ -15,11 +15,11 @@ from physgnn.stages.outputs import FILE, FOLDER, Output, check_outputs, writes
 
 READ = {
     "brain", "brain_mask", "case", "config", "craniotomy", "curves", "data",
-    "dataset_1", "dataset_2", "golden", "image", "initial_transform", "intraoperative",
-    "landmarks", "landmarks_target", "load", "loads", "materials", "membranes", "mesh",
-    "path", "patients", "points", "prediction", "report", "run", "runs", "scan",
-    "segmentation", "series", "sets", "source", "sources", "start", "store", "surface",
-    "target", "tumour", "ventricles", "weights", "whole_surface",
+    "dataset_1", "dataset_2", "golden", "image", "initial_transform",
+    "intraoperative", "landmarks", "landmarks_target", "load", "loads", "materials",
+    "membranes", "mesh", "path", "patients", "points", "prediction", "report", "run",
+    "runs", "scan", "segmentation", "series", "sets", "source", "sources", "start",
+    "store", "surface", "target", "tumour", "ventricles", "weights", "whole_surface",
 }  # fmt: skip
 WITHOUT = {"published", "selftest"}  # stages that write nothing
 SUFFIX = {"register": ".vtu", "predict": ".vtu"}

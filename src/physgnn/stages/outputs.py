@@ -36,6 +36,8 @@ class Output:
         An argument with which it is a folder instead of a file.
     like : str
         The argument that is the image or plan whose format a name without suffix gets.
+    of_plans : bool
+        Whether there is one where that argument is a plan; if not, the stage says so.
     beside : str
         The output beside which its file goes where it is not named: by the same name,
         but for the suffix.
@@ -48,6 +50,7 @@ class Output:
     is_folder: bool = False
     folder_with: str = ""
     like: str = ""
+    of_plans: bool = True
     beside: str = ""
     inside: tuple[str, ...] = ()
 
@@ -145,7 +148,7 @@ def _read_at(path: Path) -> Path:
 
 def _named(given: Paths, name: str, outputs: Mapping[str, Output]) -> Iterator[Path]:
     """Yield the places of an output, with the suffixes that they get."""
-    from physgnn.io.medical.images.formats import WRITTEN, named_like
+    from physgnn.io.medical.images.formats import WRITTEN, named_like, suffix_of
     from physgnn.io.plans.formats import plan_named_like, plan_suffix
 
     output = outputs[name]
@@ -158,7 +161,10 @@ def _named(given: Paths, name: str, outputs: Mapping[str, Output]) -> Iterator[P
             continue
         (like,) = given[output.like]
         if plan_suffix(like):
-            yield plan_named_like(path, like)
+            yield plan_named_like(path, like) if output.of_plans else path
+            continue
+        if not (like.is_dir() or suffix_of(like)):
+            yield path  # neither plan nor image: the stage says what it takes
             continue
         named = named_like(path, like)
         _check_suffix("an image", named, WRITTEN, named.name.lower())
