@@ -115,10 +115,13 @@ def _importing(frame: FrameType | None) -> bool:
 def _again(unraisable: Any) -> None:
     """Raise anew what was lost in a destructor or a callback of the interpreter.
 
-    From another thread, since what is raised in here would be lost, too.
+    From another thread, since what is raised in here would be lost, too. Other errors
+    of destructors, such as that of an archive that was cut short, follow from a signal
+    if there was one, and are no news.
     """
     if not isinstance(unraisable.exc_value, Interrupted):
-        _hook(unraisable)
+        if _received is None:
+            _hook(unraisable)
         return
     _later(RETRY_SECONDS, _send_again, unraisable.exc_value.number)
 

@@ -129,6 +129,26 @@ main()
 
 
 @pytest.mark.slow
+def test_what_a_signal_cut_short_does_not_complain(tmp_path: Path) -> None:
+    """An archive that is half written cannot be closed when it is destroyed."""
+    program = """
+import pathlib, time, physgnn.cli.app as app
+class Archive:
+    def __del__(self):
+        raise ValueError("seek of closed file")
+def run():
+    half_written = Archive()
+    pathlib.Path("here").touch()
+    time.sleep(60)
+app.run = run
+from physgnn.cli import main
+main()
+"""
+    started = Started(tmp_path, program=program)
+    started.until((tmp_path / "here").exists)
+    assert started.end(signal.SIGINT) == (130, "physgnn: interrupted\n")
+
+
 def test_what_is_left_of_shared_memory_is_no_news(tmp_path: Path) -> None:
     """A thread that does not end has the process ended before it has cleaned up."""
     program = """

@@ -60,6 +60,7 @@ def test_which_statuses_a_command_has_is_what_the_rules_say() -> None:
 
 def test_every_option_that_a_message_names_is_one_of_some_command() -> None:
     known = {option for command in GROUP.commands for option in options(command)}
+    known |= {option for parameter in GROUP.params for option in parameter.opts}
     folder = Path(physgnn.__file__).parent
     for file in sorted(folder.rglob("*.py")):
         name = file.relative_to(folder).as_posix()
