@@ -36,6 +36,8 @@ FARTHEST_SURFACE_MM = 10.0
 # the rim of a craniotomy bends it.
 LARGEST_TRANSLATION_MM = 7.5
 AS_WELL = 1.1  # squared misfit of a translation over that of the elastic body
+# Brains do sink by 10 mm: so an offset has to be this probable, too.
+SOME_OFFSET = 0.25
 LEAST_CHANCE = 1e-3  # of so large a misfit, if noise alone were its cause
 
 
@@ -155,6 +157,7 @@ def _moved_as_a_whole(evidence: Evidence) -> Iterator[str]:
         and fit.chance >= LEAST_CHANCE  # else it is compared with a fit that is none
         and fit.translation_mm > LARGEST_TRANSLATION_MM
         and fit.translation_misfit < AS_WELL
+        and (fit.offset is None or fit.offset.probability >= SOME_OFFSET)
     ):
         yield (
             f"a translation by {fit.translation_mm:.1f} mm explains the measurement as "
@@ -187,6 +190,11 @@ def _misfit(evidence: Evidence) -> Iterator[str]:
             "measured and registered places are "
             f"{np.sqrt(max(fit.misfit_ratio, 0.0)):.1f} times as far apart as the "
             "stated noise lets expect"
+        )
+    if fit is not None and fit.bump_mm > 0:
+        yield (
+            f"an area of the measured surface is {fit.bump_mm:.1f} mm from the "
+            "registered one, in the mean, all to one side"
         )
     if fit is not None and fit.outlier_share > LARGEST_OUTLIER_SHARE:
         yield (
