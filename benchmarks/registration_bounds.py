@@ -31,6 +31,7 @@ from scipy.stats import binomtest
 from held_out import Log
 from physgnn.arrays import FloatArray
 from physgnn.geometry.measured import PointPairs, SurfacePoints, WholeSurface
+from physgnn.registration.inference.bounds import factors_of
 from registration import TOLD_MM, Compared
 from shifts import Case, Truth
 from tables import machine, table
@@ -131,7 +132,12 @@ def registered(body: Compared, kind: str, name: str, case: Case, seed: int) -> d
     error = np.linalg.norm(there - case.displacement, axis=1)
     bound = found.prediction.error_estimate_mm
     assert bound is not None
+    skull = body.registrar.skull
+    corrected = name == "offset"
+    factors = factors_of(list(KINDS[kind]), skull=skull, corrected=corrected)
+    of_mean, of_largest = factors.of_mean, factors.of_largest
     return {
+        "raw": [bound.mean_mm / of_mean, bound.max_mm / of_largest],
         "status": found.prediction.status.name,
         "mean": float(error.mean()),
         "max": float(error.max()),

@@ -92,9 +92,9 @@ def test_what_speaks_for_a_displacement_decides(evidence: Evidence, status: S) -
         ({"distance_mm": 14.0}, S.MEASUREMENT_TOO_FAR),
         (EVEN, S.MOVED_AS_A_WHOLE),
         ({"translation_mm": 4.0, "translation_misfit": 1.0}, S.OK),
-        # a brain may sink evenly, too, where nothing else speaks for an offset
-        ({**EVEN, "offset": offset(0.2)}, S.OK),
-        ({**EVEN, "offset": offset(0.3)}, S.MOVED_AS_A_WHOLE),
+        # an offset inward looks like sinking: its probability is no excuse
+        ({**EVEN, "offset": offset(0.03)}, S.MOVED_AS_A_WHOLE),
+        ({**EVEN, "translation_misfit": 1.1}, S.OK),
         ({"bump_mm": 2.5}, S.MISFIT_ABOVE_NOISE),
         ({"translation_mm": 8.0}, S.OK),
         ({"misfit_ratio": 4.7, "chance": 1e-9}, S.MISFIT_ABOVE_NOISE),

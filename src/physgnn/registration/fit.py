@@ -21,8 +21,8 @@ from physgnn.registration.measurements.points import MeasuredPoints
 NOISE_KNOWN_WITHIN = 1.5
 # A dent that the body cannot follow is lost in the mean of a large surface's misfit.
 AREA_MM = 20.0  # radius of what is averaged, about a width of the load modes
-FEWEST_OF_AREA = 5
-LEAST_BUMP = 1.0  # mean of an area over the noise: less may be the mesh's coarseness
+FEWEST_OF_AREA = 10
+LEAST_BUMP_MM = 1.5  # less may be the mesh's coarseness
 
 
 def fit_of(
@@ -90,7 +90,8 @@ def bump_of(points: FloatArray, misfit: FloatArray, noise: FloatArray) -> float:
     """Return how far the area of a surface that fits worst lies off to one side, mm.
 
     Of every place the median is taken over those within `AREA_MM`, of which a few bad
-    points are no more than a few. It is 0 where noise alone may be the cause.
+    points are no more than a few. It is 0 where the noise that the whole surface has,
+    or the stated one if that is less, may be the cause alone.
 
     Parameters
     ----------
@@ -104,11 +105,13 @@ def bump_of(points: FloatArray, misfit: FloatArray, noise: FloatArray) -> float:
     near = cKDTree(points).query_ball_point(points, AREA_MM)
     count = np.array([len(one) for one in near])
     middle = np.abs([np.median(misfit[one]) for one in near])
-    deviation = np.sqrt(np.pi / 2 / count) * NOISE_KNOWN_WITHIN  # of a median
+    usual = min(float(np.median(np.abs(misfit))) / norm.ppf(0.75), NOISE_KNOWN_WITHIN)
+    deviation = np.sqrt(np.pi / 2 / count) * max(usual, np.finfo(float).tiny)
     # as many areas were looked at as there is room for
     chance = 2 * norm.sf(middle / deviation) * len(points) / count
-    off = (chance < LEAST_CHANCE) & (count >= FEWEST_OF_AREA) & (middle > LEAST_BUMP)
-    return float((middle * noise)[off].max()) if off.any() else 0.0
+    away = middle * noise
+    off = (chance < LEAST_CHANCE) & (count >= FEWEST_OF_AREA) & (away > LEAST_BUMP_MM)
+    return float(away[off].max()) if off.any() else 0.0
 
 
 def _misfit(
