@@ -17,7 +17,7 @@ they have the nearest points of the body at rest, the rigid motion by iterated m
 """
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pyvista as pv
@@ -86,14 +86,19 @@ def spline(
 class Compared:
     """The mesh that is registered, and what else it may be compared with."""
 
-    def __init__(self, n_points: int, skull: str, x: FloatArray) -> None:
+    def __init__(
+        self,
+        n_points: int,
+        skull: str,
+        x: FloatArray,
+        causes: Sequence[str] | None = (),
+    ) -> None:
         phantom = mni152_phantom(n_points=600)
         surfaces = phantom.brain, phantom.tumours
         mesh = tetrahedralize(*surfaces, target_points=n_points)
         self.mesh = held(mesh, phantom, HELD_MM)
-        # what causes are worth is another script's: registration_causes.py
         body = Body(self.mesh, MATERIALS)
-        self.registrar = Registrar(body, skull=skull, causes=())
+        self.registrar = Registrar(body, skull=skull, causes=causes)
         self._x, self._locate = x, _sampler(self.mesh, x)
         chosen = np.random.default_rng(0).choice(self.mesh.point_set("fixed"), N_SKULL)
         self._anchors = self.mesh.points[chosen]

@@ -39,6 +39,7 @@ def offset(probability: float, *, corrected: bool = False) -> RigidOffset:
     )
 
 
+EVEN = {"translation_mm": 8.0, "translation_misfit": 1.0}
 STRONG = ("9 N in all (trained up to 4 N)",)
 
 
@@ -89,8 +90,12 @@ def test_what_speaks_for_a_displacement_decides(evidence: Evidence, status: S) -
         ({"spread_mm": 2.5}, S.TOO_FEW_POINTS),
         ({"spread_mm": NAN}, S.TOO_FEW_POINTS),
         ({"distance_mm": 14.0}, S.MEASUREMENT_TOO_FAR),
-        ({"translation_mm": 8.0, "translation_misfit": 1.0}, S.MOVED_AS_A_WHOLE),
+        (EVEN, S.MOVED_AS_A_WHOLE),
         ({"translation_mm": 4.0, "translation_misfit": 1.0}, S.OK),
+        # an offset inward looks like sinking: its probability is no excuse
+        ({**EVEN, "offset": offset(0.03)}, S.MOVED_AS_A_WHOLE),
+        ({**EVEN, "translation_misfit": 1.1}, S.OK),
+        ({"bump_mm": 2.5}, S.MISFIT_ABOVE_NOISE),
         ({"translation_mm": 8.0}, S.OK),
         ({"misfit_ratio": 4.7, "chance": 1e-9}, S.MISFIT_ABOVE_NOISE),
         ({"chance": NAN}, S.MISFIT_ABOVE_NOISE),

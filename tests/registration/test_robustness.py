@@ -1,5 +1,7 @@
 """Bad points, navigation that is off, several kinds at once; truth by the FE solver."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from block_shifts import (
@@ -135,6 +137,24 @@ def test_a_navigation_that_is_off_by_8_mm_is_not_ok_and_can_be_corrected(
     )
     assert straight.offset.probability < 0.5
     assert straight.prediction.status == PredictionStatus.OK
+
+
+@pytest.mark.parametrize("way", [(0, 0, 8.0), (0, 0, -8.0), (8.0, 0, 0)])
+@pytest.mark.parametrize("see", [measured, seen_inside])
+def test_a_tracker_that_moved_alone_is_named_or_bounded(
+    see: Callable[..., PointPairs],
+    way: tuple[float, float, float],
+    body: TetMesh,
+    registrar: Registrar,
+) -> None:
+    rest = np.zeros_like(body.points)
+    pairs = see(body, rest, 0)
+    off = type(pairs)(pairs.source, pairs.target + np.array(way))
+    found = registrar(off, noise_mm=NOISE)
+    bound = found.prediction.error_estimate_mm
+    assert bound is not None
+    wrong = errors(found, rest).max() > bound.max_mm
+    assert not (wrong and found.prediction.status.usable)
 
 
 @pytest.mark.parametrize("kind", ["pairs", "landmarks", "surface"])

@@ -83,6 +83,9 @@ class MeasurementFit:
     sunk_mm : float
         How far what was measured sank into the brain, in the median; infinite where the
         whole surface was measured.
+    bump_mm : float
+        How far, in the mean, the places of one area lie off to one side, where that is
+        more than the stated noise allows; 0 if no area does.
     """
 
     n_places: int
@@ -95,3 +98,4 @@ class MeasurementFit:
     outlier_share: float = 0.0
     offset: RigidOffset | None = None
     sunk_mm: float = float("inf")
+    bump_mm: float = 0.0

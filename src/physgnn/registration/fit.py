@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.spatial import cKDTree
+from scipy.stats import chi2, norm
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.measured import farthest_points
-from physgnn.prediction.evidence import SAME_PLACE_MM
+from physgnn.prediction.evidence import LEAST_CHANCE, SAME_PLACE_MM
 from physgnn.prediction.measured_evidence import MeasurementFit, RigidOffset
 from physgnn.registration.inference.heavy_tails import RobustFit
 from physgnn.registration.inference.rows import MeasuredRows
@@ -18,6 +19,10 @@ from physgnn.registration.measurements.points import MeasuredPoints
 # The stated noise may be too small by this factor before a misfit counts against it:
 # a tracker's noise is known no better.
 NOISE_KNOWN_WITHIN = 1.5
+# A dent that the body cannot follow is lost in the mean of a large surface's misfit.
+AREA_MM = 20.0  # radius of what is averaged, about a width of the load modes
+FEWEST_OF_AREA = 10
+LEAST_BUMP_MM = 1.5  # less may be the mesh's coarseness
 
 
 def fit_of(
@@ -64,7 +69,49 @@ def fit_of(
         outlier_share=max(float(fit.outliers[part].mean()) for part in parts),
         offset=offset,
         sunk_mm=max(one.sunk_mm for one in measured),
+        bump_mm=_largest_bump(measured, rows, fit),
     )
+
+
+def _largest_bump(
+    measured: Sequence[Measurement], rows: MeasuredRows, fit: RobustFit
+) -> float:
+    """Return the `bump_of` of the surface that has the largest, mm."""
+    found, first = [0.0], 0
+    for one, (n, k) in zip(measured, rows.blocks, strict=True):
+        data = slice(first, first + n * k)
+        first += n * k
+        if k == 1:  # across a surface
+            found.append(bump_of(one.points, fit.misfit[data], rows.noise[data]))
+    return max(found)
+
+
+def bump_of(points: FloatArray, misfit: FloatArray, noise: FloatArray) -> float:
+    """Return how far the area of a surface that fits worst lies off to one side, mm.
+
+    Of every place the median is taken over those within `AREA_MM`, of which a few bad
+    points are no more than a few. It is 0 where the noise that the whole surface has,
+    or the stated one if that is less, may be the cause alone.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Places, mm.
+    misfit : (n,) array
+        Of each along the normal, over its noise.
+    noise : (n,) array
+        Of each, mm.
+    """
+    near = cKDTree(points).query_ball_point(points, AREA_MM)
+    count = np.array([len(one) for one in near])
+    middle = np.abs([np.median(misfit[one]) for one in near])
+    usual = min(float(np.median(np.abs(misfit))) / norm.ppf(0.75), NOISE_KNOWN_WITHIN)
+    deviation = np.sqrt(np.pi / 2 / count) * max(usual, np.finfo(float).tiny)
+    # as many areas were looked at as there is room for
+    chance = 2 * norm.sf(middle / deviation) * len(points) / count
+    away = middle * noise
+    off = (chance < LEAST_CHANCE) & (count >= FEWEST_OF_AREA) & (away > LEAST_BUMP_MM)
+    return float(away[off].max()) if off.any() else 0.0
 
 
 def _misfit(

@@ -206,7 +206,7 @@ class Registrar:
         offset, alternatives = search.offset()
         lengths = error_lengths(alternatives, search.response, seed)
         kinds = [one.kind for one in measurements]
-        factors = factors_of(kinds, corrected=rigid_offset)
+        factors = factors_of(kinds, skull=self.skull, corrected=rigid_offset)
         estimate = estimate_of(lengths, coverage, factors)
         verdict = self._verdict(search, estimate, measurements, offset, whole)
         deviation = factors.of_mean * lengths.deviation_mm

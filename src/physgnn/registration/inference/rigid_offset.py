@@ -8,8 +8,7 @@ probability of an offset given the data (Kass & Raftery, "Bayes factors", Journa
 American Statistical Association 90, 1995, 773–795).
 
 The models know neither the tissue nor the line along which the skull holds, and an
-offset explains a part of that: where there was none, measurements of the exposed
-surface made one up to e¹⁰ times more probable, in simulation. So only a third of the
+offset explains a part of that. So only a third of the
 logarithm of the evidence counts (a power of the likelihood: Miller & Dunson, "Robust
 Bayesian inference via coarsening", Journal of the American Statistical Association 114,
 2019, 1113–1125).
