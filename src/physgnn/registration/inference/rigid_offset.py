@@ -63,7 +63,7 @@ POWER = 1 / 3  # of the likelihood
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class OffsetEvidence:
     """Loads alone against loads with an offset.
 
     Attributes
@@ -86,7 +86,7 @@ class Comparison:
         return self.fits[1 + int(self.probabilities[1:].argmax())]
 
 
-def compared(rows: MeasuredRows, modes: Modes, weights: FloatArray) -> Comparison:
+def compared(rows: MeasuredRows, modes: Modes, weights: FloatArray) -> OffsetEvidence:
     """Compare loads alone with loads and an offset, small or large.
 
     Parameters
@@ -112,7 +112,7 @@ def compared(rows: MeasuredRows, modes: Modes, weights: FloatArray) -> Compariso
     before = np.log([one.probability for one in HYPOTHESES])
     after = evidence + before
     ratio = logsumexp(after[1:]) - logsumexp(before[1:]) - evidence[0]
-    return Comparison(
+    return OffsetEvidence(
         np.exp(after - logsumexp(after)), tuple(fit for _, fit in found), float(ratio)
     )
 
@@ -130,7 +130,7 @@ def _fitted(
 def offset_of(
     posterior: Posterior,
     centre: FloatArray,
-    comparison: Comparison,
+    comparison: OffsetEvidence,
     *,
     change_mm: float,
     corrected: bool,

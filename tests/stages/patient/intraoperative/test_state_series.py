@@ -11,7 +11,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.stages import register
-from physgnn.stages.patient.intraoperative import register_state as one_state
+from physgnn.stages.patient.intraoperative import one_state
 from physgnn.stages.patient.intraoperative.patient_body import (
     ready_registrar,
 )

@@ -11,7 +11,7 @@ from physgnn.config import read_preset
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
-from physgnn.io.untrusted.csv_rows import SAFE_NAME
+from physgnn.io.untrusted.csv_table import SAFE_NAME
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.predictor import Predictor
 from physgnn.serving.patient.desk import MeasuredState, RegisterOptions

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from physgnn.errors import InputError
-from physgnn.io.untrusted.csv_rows import SAFE_NAME, checked_cells, csv_rows
+from physgnn.io.untrusted.csv_table import SAFE_NAME, checked_cells, csv_rows
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.text import read_text
 from physgnn.stages.cohort.columns import CASE, NAME, columns_of, find_column

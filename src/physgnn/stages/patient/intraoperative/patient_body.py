@@ -58,7 +58,7 @@ class HowItIsHeld:
 
 
 @dataclass(frozen=True, eq=False)
-class Patient:
+class PatientBody:
     """Whose brain is registered.
 
     Attributes
@@ -80,7 +80,7 @@ class Patient:
     resection: Resected | None = None
 
 
-def patient_of(mesh: str | Path, held: HowItIsHeld) -> Patient:
+def patient_of(mesh: str | Path, held: HowItIsHeld) -> PatientBody:
     """Return the patient of a mesh file; by default of the published tissues.
 
     Raises
@@ -103,17 +103,17 @@ def patient_of(mesh: str | Path, held: HowItIsHeld) -> Patient:
         return Registrar(body, skull=held.skull, causes=causes, membranes=membranes)
 
     told = {"skull": held.skull, "causes": causes, "membranes": repr(membranes)}
-    return Patient(body, make, told, resection)
+    return PatientBody(body, make, told, resection)
 
 
-def ready_patient(registrar: "Registrar") -> Patient:
+def ready_patient(registrar: "Registrar") -> PatientBody:
     """Return the patient of a registrar that is ready."""
     told = {
         "skull": registrar.skull,
         "causes": registrar.causes,
         "membranes": repr(registrar.membranes),
     }
-    return Patient(registrar.body, lambda: registrar, told)
+    return PatientBody(registrar.body, lambda: registrar, told)
 
 
 def ready_registrar(

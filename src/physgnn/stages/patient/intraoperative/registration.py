@@ -9,17 +9,17 @@ from physgnn.io.medical.images.formats import read_image, suffix_of
 from physgnn.progress import Log, no_log
 from physgnn.stages.outputs import FOLDER, Output, writes
 from physgnn.stages.patient.intraoperative.measured_files import NOTHING, MeasuredFiles
-from physgnn.stages.patient.intraoperative.patient_body import (
-    HowItIsHeld,
-    Patient,
-    checked_registrar,
-    patient_of,
-    ready_patient,
-)
-from physgnn.stages.patient.intraoperative.register_state import (
+from physgnn.stages.patient.intraoperative.one_state import (
     HowToRegister,
     register_state,
     write_state,
+)
+from physgnn.stages.patient.intraoperative.patient_body import (
+    HowItIsHeld,
+    PatientBody,
+    checked_registrar,
+    patient_of,
+    ready_patient,
 )
 from physgnn.stages.patient.intraoperative.registration_report import (
     page_in,
@@ -222,7 +222,7 @@ def register(
 
 def _patient(
     mesh: str | Path, held: HowItIsHeld, registrar: "Registrar | None"
-) -> Patient:
+) -> PatientBody:
     if registrar is None:
         return patient_of(mesh, held)
     return ready_patient(checked_registrar(registrar, mesh, held))

@@ -25,13 +25,13 @@ from physgnn.io.integrity.atomic import write_whole
 from physgnn.io.integrity.digest import digest_of, digest_of_file
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.progress import Log, no_log
-from physgnn.stages.patient.intraoperative.patient_body import (
-    Patient,
-)
-from physgnn.stages.patient.intraoperative.register_state import (
+from physgnn.stages.patient.intraoperative.one_state import (
     HowToRegister,
     register_state,
     write_state,
+)
+from physgnn.stages.patient.intraoperative.patient_body import (
+    PatientBody,
 )
 from physgnn.stages.patient.intraoperative.state_table import StateRow
 
@@ -75,7 +75,7 @@ class StateResult:
 
 
 def register_states(
-    patient: Patient,
+    patient: PatientBody,
     states: Sequence[StateRow],
     out: Path,
     how: HowToRegister,
@@ -88,7 +88,7 @@ def register_states(
 
     Parameters
     ----------
-    patient : Patient
+    patient : PatientBody
         Whose.
     states : sequence of StateRow
         In order.
@@ -120,7 +120,7 @@ class StateSeries:
 
     Parameters
     ----------
-    patient : Patient
+    patient : PatientBody
         Whose.
     out : Path
         The folder; it is there.
@@ -138,7 +138,7 @@ class StateSeries:
     """
 
     def __init__(
-        self, patient: Patient, out: Path, how: HowToRegister, log: Log
+        self, patient: PatientBody, out: Path, how: HowToRegister, log: Log
     ) -> None:
         self._patient, self._out, self._how, self._log = patient, out, how, log
         self.results: list[StateResult] = []

@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from physgnn.errors import InputError
-from physgnn.io.untrusted.csv_rows import SAFE_NAME, checked_cells, csv_rows
+from physgnn.io.untrusted.csv_table import SAFE_NAME, checked_cells, csv_rows
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.text import read_text
 from physgnn.stages.patient.intraoperative.measured_files import MeasuredFiles

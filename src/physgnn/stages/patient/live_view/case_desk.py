@@ -22,11 +22,11 @@ from physgnn.geometry.regions import TUMOUR
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.integrity.atomic import whole_file, whole_folder, write_whole
 from physgnn.scratch import scratch_folder
+from physgnn.stages.patient.intraoperative.one_state import HowToRegister
 from physgnn.stages.patient.intraoperative.patient_body import (
     ready_patient,
     ready_registrar,
 )
-from physgnn.stages.patient.intraoperative.register_state import HowToRegister
 from physgnn.stages.patient.live_view.case_states import (
     ROLES,
     SUFFIXES,

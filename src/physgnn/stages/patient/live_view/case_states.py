@@ -11,8 +11,8 @@ from physgnn.io.medical.linear_transforms import ITK_SUFFIXES
 from physgnn.io.medical.markups import POINT_READERS
 from physgnn.io.surfaces.formats import SURFACE_READERS
 from physgnn.stages.patient.intraoperative.measured_files import MeasuredFiles
-from physgnn.stages.patient.intraoperative.patient_body import Patient
-from physgnn.stages.patient.intraoperative.register_state import HowToRegister
+from physgnn.stages.patient.intraoperative.one_state import HowToRegister
+from physgnn.stages.patient.intraoperative.patient_body import PatientBody
 from physgnn.stages.patient.intraoperative.state_series import StateSeries
 from physgnn.stages.patient.intraoperative.state_table import StateRow
 
@@ -77,7 +77,7 @@ def rows_of(states: "Sequence[MeasuredState]") -> list[StateRow]:
 
 
 def registered(
-    patient: Patient, rows: Sequence[StateRow], folder: Path, how: HowToRegister
+    patient: PatientBody, rows: Sequence[StateRow], folder: Path, how: HowToRegister
 ) -> "Iterator[RegisteredShift]":
     """Register states one after the other into a folder that is there.
 

@@ -23,7 +23,7 @@ from physgnn.io.integrity.atomic import whole_file, write_whole
 from physgnn.io.medical.markups import POINT_READERS
 from physgnn.io.surfaces.formats import SURFACE_READERS
 from physgnn.scratch import scratch_folder
-from physgnn.stages.patient.intraoperative.register_state import ready_registrar
+from physgnn.stages.patient.intraoperative.one_state import ready_registrar
 from physgnn.stages.patient.intraoperative.registration import register
 from physgnn.stages.patient.preoperative.adaptation import adapt
 from physgnn.stages.patient.preoperative.case_file import case_text, craniotomy_at

@@ -9,7 +9,7 @@ from physgnn.io.medical.images.formats import read_image, suffix_of
 from physgnn.progress import Log, no_log
 from physgnn.stages.outputs import FOLDER, Output, writes
 from physgnn.stages.patient.intraoperative.measured_files import NOTHING, MeasuredFiles
-from physgnn.stages.patient.intraoperative.register_state import (
+from physgnn.stages.patient.intraoperative.one_state import (
     HowItIsHeld,
     HowToRegister,
     checked_registrar,

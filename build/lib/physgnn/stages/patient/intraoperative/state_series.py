@@ -25,7 +25,7 @@ from physgnn.io.integrity.atomic import write_whole
 from physgnn.io.integrity.digest import digest_of, digest_of_file
 from physgnn.io.vtk.prediction_file import read_displacement
 from physgnn.progress import Log, no_log
-from physgnn.stages.patient.intraoperative.register_state import (
+from physgnn.stages.patient.intraoperative.one_state import (
     HowToRegister,
     Patient,
     register_state,

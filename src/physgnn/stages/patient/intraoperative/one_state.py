@@ -16,7 +16,7 @@ from physgnn.stages.patient.intraoperative.measured_files import (
     MeasuredFiles,
     read_measured,
 )
-from physgnn.stages.patient.intraoperative.patient_body import Patient
+from physgnn.stages.patient.intraoperative.patient_body import PatientBody
 from physgnn.stages.patient.intraoperative.removed_region import Resected
 from physgnn.stages.patient.intraoperative.scan_surface import (
     ScanOptions,
@@ -137,7 +137,7 @@ def register_state(
 
 def write_state(
     out: Path,
-    patient: Patient,
+    patient: PatientBody,
     found: "Registration",
     write: Write,
     grid: ImageGrid | None = None,
