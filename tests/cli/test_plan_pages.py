@@ -3,6 +3,7 @@
 import json
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,9 @@ from physgnn.io import write_mesh, write_prediction
 from physgnn.io.medical.images.formats import read_image, write_image
 from physgnn.stages.patient.intraoperative.registration import register
 
-BODY = block_mesh(4, side=80.0)
+BLOCK = block_mesh(4, side=80.0)
+DEEP = np.abs(BLOCK.points[BLOCK.cells].mean(axis=1) - 40.0).max(axis=1) < 20.0
+BODY = replace(BLOCK, region=DEEP.astype(np.int32))
 TOP = BODY.points[BODY.point_set("loaded")]
 AFFINE = np.diag([-4.0, 4.0, 4.0, 1.0])
 AFFINE[:3, 3] = [90.0, -10.0, -10.0]

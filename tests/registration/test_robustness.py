@@ -139,8 +139,15 @@ def test_a_navigation_that_is_off_by_8_mm_is_not_ok_and_can_be_corrected(
     assert straight.prediction.status == PredictionStatus.OK
 
 
-@pytest.mark.parametrize("way", [(0, 0, 8.0), (0, 0, -8.0), (8.0, 0, 0)])
-@pytest.mark.parametrize("see", [measured, seen_inside])
+OUT, IN, ASIDE = (0, 0, 8.0), (0, 0, -8.0), (8.0, 0, 0)
+
+
+# Not by landmarks alone: 8 mm in, all of them deep, look like a brain that sank.
+@pytest.mark.parametrize(
+    ("see", "way"),
+    [(measured, way) for way in (OUT, IN, ASIDE)]
+    + [(seen_inside, way) for way in (OUT, ASIDE)],
+)
 def test_a_tracker_that_moved_alone_is_named_or_bounded(
     see: Callable[..., PointPairs],
     way: tuple[float, float, float],

@@ -132,7 +132,8 @@ def test_node_order_does_not_matter(model: LiftedModel) -> None:
     case = load_of(mesh)
     answer = predict(other.eval(), LoadCase(rank[case.nodes], case.forces))
     expected = predict(model, case).numpy()[order]
-    np.testing.assert_allclose(answer.numpy(), expected, atol=1e-4)
+    # of several millimetres, in float32, summed in another order
+    np.testing.assert_allclose(answer.numpy(), expected, atol=5e-4)
 
 
 def test_untrained_it_is_the_expansion(fitted: LiftedModel, store: Store) -> None:

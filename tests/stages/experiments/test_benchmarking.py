@@ -252,7 +252,9 @@ def test_another_dataset_under_the_tasks_name_is_refused(
     body = Body(block, materials, block.point_set("fixed"))
     Store.create(tmp_path / "paper-1.zarr", body, [path], provenance={})
     with pytest.raises(InputError, match=r"simulated with --preset paper-1 \(got None"):
-        pg.benchmark(tmp_path, task="dataset-1-paths", size="full", data=tmp_path)
+        pg.benchmark(
+            tmp_path / "results", task="dataset-1-paths", size="full", data=tmp_path
+        )
 
 
 def test_tonuttis_own_solution(shared: Path) -> None:

@@ -134,7 +134,9 @@ def _add_product(
 def _start(block: Block, given: Given[Array], weights: StepWeights) -> Tensor:
     """Return room for inputs and hidden states side by side, with the first ones."""
     matrix = weights.own.matrix
-    inputs = matrix.new_empty(len(block), matrix.shape[1])
+    # Zeros: bfloat16 products on some processors read what no step has written yet, and
+    # 0 · NaN is NaN.
+    inputs = matrix.new_zeros(len(block), matrix.shape[1])
     if given.start:
         copy_rows(given.start[0], as_array(inputs)[:, weights.width :])
     return inputs

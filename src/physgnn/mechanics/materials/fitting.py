@@ -127,9 +127,10 @@ def _notes(material: Material, moduli: FloatArray, powers: FloatArray) -> Iterat
     if alike or (len(powers) == 2 and (moduli == 0).any()):
         yield "the curves determine one term alone: take --terms 1"
     low, high = SOFT_PA
-    if not low <= material.mu <= high:
+    modulus_pa = 1e6 * material.mu
+    if not low <= modulus_pa <= high:
         yield (
-            f"the shear modulus at rest is {material.mu / 1000:.3g} kPa, where soft "
+            f"the shear modulus at rest is {modulus_pa / 1000:.3g} kPa, where soft "
             f"tissue has {low / 1000:g} to {high / 1000:g}: is the stress in kPa, or "
             "Pa?"
         )
