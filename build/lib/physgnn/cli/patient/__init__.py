@@ -1,1 +1,0 @@
-"""Commands about one patient, or a table of them."""

@@ -1,1 +1,0 @@
-"""Datasets to and from other programs."""

@@ -1,1 +1,0 @@
-"""Load paths solved, here or on many machines, and checked."""

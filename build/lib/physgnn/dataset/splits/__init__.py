@@ -1,1 +1,0 @@
-"""Which samples train, validate and test."""

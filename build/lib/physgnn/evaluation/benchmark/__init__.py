@@ -1,1 +1,0 @@
-"""The benchmark: tasks of fixed name and version, results in files, table and chart."""

@@ -1,1 +1,0 @@
-"""Predictors on held-out samples: errors, bounds, baselines."""

@@ -1,1 +1,0 @@
-"""What an evaluation found, as tables, figures and one page."""

@@ -1,1 +1,0 @@
-"""What a report draws: charts, three-dimensional views, panels."""

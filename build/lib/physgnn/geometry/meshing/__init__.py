@@ -1,1 +1,0 @@
-"""From surfaces to tetrahedra of known quality."""

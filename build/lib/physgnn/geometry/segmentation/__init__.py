@@ -1,1 +1,0 @@
-"""From a label map to closed, nested surfaces."""

@@ -1,1 +1,0 @@
-"""Which label is which tissue, by conventions or by names."""

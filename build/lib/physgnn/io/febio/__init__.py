@@ -1,1 +1,0 @@
-"""FEBio's models, logs and runs."""

@@ -1,1 +1,0 @@
-"""Files whole or absent, and the digest of what a displacement depends on."""

@@ -1,1 +1,0 @@
-"""Images and label maps of every format, in one world: RAS+, mm."""

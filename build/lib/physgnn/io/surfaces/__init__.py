@@ -1,1 +1,0 @@
-"""Surfaces: one short file a format, one table of all."""

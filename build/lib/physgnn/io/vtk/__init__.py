@@ -1,1 +1,0 @@
-"""VTK's own files: meshes, surfaces, series of results."""

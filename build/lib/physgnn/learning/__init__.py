@@ -1,1 +1,0 @@
-"""Networks that predict displacement: graph, inputs, models, training, checkpoints."""

@@ -1,1 +1,0 @@
-"""Surrogates that learn nothing: what everything that learns is shown beside."""

@@ -1,1 +1,0 @@
-"""Learners of rows of numbers, written down as arrays."""

@@ -1,1 +1,0 @@
-"""A load as a row of numbers, a displacement as what a row is answered by."""

@@ -1,1 +1,0 @@
-"""The network that corrects the asymptotic expansion."""

@@ -1,1 +1,0 @@
-"""Networks on meshes from the literature, as peers: MeshGraphNets and Transolver."""

@@ -1,1 +1,0 @@
-"""The published network, and what it needs."""

@@ -1,1 +1,0 @@
-"""Models without weights to train: local expansions, POD–Galerkin."""

@@ -1,1 +1,0 @@
-"""A trained model on disk, and on another body."""

@@ -1,1 +1,0 @@
-"""Samples of a training: order, batches of several meshes, memory that they take."""

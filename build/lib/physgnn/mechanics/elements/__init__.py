@@ -1,1 +1,0 @@
-"""Tetrahedra: internal force, energy and tangent of the two elements there are."""

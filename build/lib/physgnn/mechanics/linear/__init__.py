@@ -1,1 +1,0 @@
-"""The tangent matrix factorised, and linear elasticity about the rest state."""

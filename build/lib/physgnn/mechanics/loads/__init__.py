@@ -1,1 +1,0 @@
-"""Nodal forces and paths of them, pressure, gravity, prescribed displacements."""

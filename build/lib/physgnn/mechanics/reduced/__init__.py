@@ -1,1 +1,0 @@
-"""Equilibrium in few unknowns: submodels, expansions, POD–Galerkin."""

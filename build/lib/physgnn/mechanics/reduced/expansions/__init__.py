@@ -1,1 +1,0 @@
-"""Solutions expanded about reference states, and which of these is nearest."""

@@ -1,1 +1,0 @@
-"""Equilibrium in POD modes, over a few weighted cells."""

@@ -1,1 +1,0 @@
-"""A few cells of a body, solved by themselves."""

@@ -1,1 +1,0 @@
-"""How wrong a prediction may be: bounds that keep a promised coverage."""

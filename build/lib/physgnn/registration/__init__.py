@@ -1,1 +1,0 @@
-"""From what was measured in the operating theatre to the displacement everywhere."""

@@ -1,1 +1,0 @@
-"""From rows of measurements to the most probable displacement and its spread."""

@@ -1,1 +1,0 @@
-"""What is measured of a shift, as rows that are linear in the displacement."""

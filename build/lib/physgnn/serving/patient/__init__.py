@@ -1,1 +1,0 @@
-"""A patient on show: the craniotomy, what was measured, and what is kept of it."""

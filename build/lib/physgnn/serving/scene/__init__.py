@@ -1,1 +1,0 @@
-"""What the page draws, and how it is coloured and loaded."""

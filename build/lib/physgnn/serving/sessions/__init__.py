@@ -1,1 +1,0 @@
-"""One browser: its loads solved in turn, and dropped when newer ones come."""

@@ -1,1 +1,0 @@
-"""Many patients: each row of a table goes through the stages it asks for."""

@@ -1,1 +1,0 @@
-"""The commands that make datasets: simulate, import, export, anatomies."""

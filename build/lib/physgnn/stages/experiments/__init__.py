@@ -1,1 +1,0 @@
-"""The commands that run whole experiments on one resumable pipeline."""

@@ -1,1 +1,0 @@
-"""The command that makes a material of what was measured: fit-material."""

@@ -1,1 +1,0 @@
-"""The commands that train and judge: train, evaluate, published."""

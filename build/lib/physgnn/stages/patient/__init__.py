@@ -1,1 +1,0 @@
-"""The commands of one patient: mesh, adapt, predict, register, warp, view."""

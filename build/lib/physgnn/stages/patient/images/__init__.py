@@ -1,1 +1,0 @@
-"""From a displacement to scans, plans and errors as images."""

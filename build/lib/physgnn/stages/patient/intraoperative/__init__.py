@@ -1,1 +1,0 @@
-"""In the operating theatre: from loads, or measurements, to a displacement."""
