@@ -53,6 +53,26 @@ def test_the_next_command_removes_what_a_killed_one_left(tmp_path: Path) -> None
         alive.communicate()
 
 
+def test_a_signal_before_anyone_holds_the_folder_leaves_none(tmp_path: Path) -> None:
+    program = """
+import tempfile, physgnn.scratch
+def cut_short(self, *_, **options):
+    print(tempfile.mkdtemp(prefix=options["prefix"]))
+    raise SystemExit(130)
+tempfile.TemporaryDirectory.__init__ = cut_short
+physgnn.scratch.scratch_folder("test")
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 130
+    assert str(tmp_path) in done.stdout.decode()
+    assert [*tmp_path.iterdir()] == []
+
+
 def test_a_folder_in_use_of_others_or_of_another_machine_stays(tmp_path: Path) -> None:
     mine, start = os.getpid(), began(os.getpid())
     stays = [

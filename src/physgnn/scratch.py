@@ -1,10 +1,12 @@
-"""Temporary folders that go when they are done with, or at the next start.
+"""Temporary folders that go when they are done with, at the end, or at the next start.
 
-A process that is killed cannot remove its folders. Their names tell the machine, the
-process, and when that began: whoever starts next removes those of processes that are no
-longer there.
+A signal may come between the making of a folder and the first line that would remove
+it: the process removes what it has left as it ends. One that is killed cannot. The
+names tell the machine, the process, and when that began: whoever starts next removes
+those of processes that are no longer there.
 """
 
+import atexit
 import hashlib
 import os
 import platform
@@ -38,8 +40,12 @@ def scratch_folder(what: str) -> "tempfile.TemporaryDirectory[str]":
 
 def prefix(what: str) -> str:
     """Return how the name of a folder of this process begins."""
+    return f"physgnn-{what}-{_of_this_process()}-"
+
+
+def _of_this_process() -> str:
     process = os.getpid()
-    return f"physgnn-{what}-{MACHINE}-{process}-{began(process) or 0}-"
+    return f"{MACHINE}-{process}-{began(process) or 0}"
 
 
 def clear_at_start() -> None:
@@ -47,7 +53,15 @@ def clear_at_start() -> None:
     folder = Path(tempfile.gettempdir())
     if folder not in _cleared:
         _cleared.add(folder)
+        atexit.register(_clear_own, folder)
         clear(folder)
+
+
+def _clear_own(folder: Path) -> None:
+    """Remove what this process made there and a signal kept it from removing."""
+    with suppress(OSError):
+        for left in folder.glob(f"physgnn-*-{_of_this_process()}-*"):
+            shutil.rmtree(left, ignore_errors=True)
 
 
 def clear(folder: Path) -> None:
