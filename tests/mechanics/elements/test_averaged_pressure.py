@@ -2,16 +2,15 @@
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from element_checks import check_forces_derive_from_energy, check_tangent
 from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.averaged_pressure import make_averaging
-from physgnn.mechanics.elements.tangent import assemble_tangent, make_pattern
 from physgnn.mechanics.elements.tet4 import internal_force, make_elements, strain_energy
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.materials import TISSUES, MooneyRivlin, NeoHookean
@@ -22,10 +21,6 @@ BODIES = [
     {0: TISSUES["brain-ogden"].material, 1: MooneyRivlin(300.0, 200.0, 2e4)},
 ]
 ELEMENTS = [make_elements(MESH, body, "tet4-averaged") for body in BODIES]
-
-
-def wobble(seed: int) -> np.ndarray:
-    return 0.2 * np.random.default_rng(seed).uniform(-1, 1, MESH.points.shape)
 
 
 def test_groups_share_out_every_cell_region_by_region():
@@ -46,41 +41,14 @@ def test_groups_share_out_every_cell_region_by_region():
 @pytest.mark.parametrize("elements", ELEMENTS)
 @given(seed=st.integers(0, 10_000))
 def test_forces_are_the_derivative_of_energy_and_balance(elements, seed):
-    u, v = wobble(seed), wobble(seed + 1)
-    force, _ = internal_force(elements, u)
-    h = 1e-5
-    slope = (
-        strain_energy(elements, u + h * v) - strain_energy(elements, u - h * v)
-    ) / (2 * h)
-    assert (force * v).sum() == pytest.approx(slope, rel=1e-5, abs=1e-9)
-    np.testing.assert_allclose(force.sum(axis=0), 0, atol=1e-12)
-    moment = np.cross(MESH.points + u, force).sum(axis=0)
-    np.testing.assert_allclose(moment, 0, atol=1e-11)
+    check_forces_derive_from_energy(elements, MESH, seed)
 
 
 @pytest.mark.parametrize("elements", ELEMENTS)
 @given(seed=st.integers(0, 10_000))
 @settings(max_examples=20)
 def test_tangent_is_the_derivative_of_force(elements, seed):
-    fixed = MESH.point_set("fixed")
-    pattern = make_pattern(MESH.cells, MESH.n_points, fixed, elements.averaging)
-    u = wobble(seed)
-    data, inverted = assemble_tangent(elements, pattern, u)
-    assert inverted == -1
-    upper = sp.csr_matrix(
-        (data, pattern.indices, pattern.indptr), shape=(pattern.n_unknowns,) * 2
-    )
-    tangent = upper + sp.triu(upper, 1).T
-    step = np.zeros_like(u)
-    step[pattern.free] = wobble(seed + 1)[pattern.free]
-    h = 1e-6
-    ahead, behind = (internal_force(elements, u + s * step)[0] for s in (h, -h))
-    slope = (ahead - behind) / (2 * h)
-    np.testing.assert_allclose(
-        tangent @ step[pattern.free].ravel(),
-        slope[pattern.free].ravel(),
-        atol=1e-7 * np.abs(slope).max(),
-    )
+    check_tangent(elements, MESH, seed)
 
 
 @pytest.mark.parametrize("elements", ELEMENTS)
