@@ -90,7 +90,6 @@ def test_names_that_the_help_spells_out_are_those_of_the_tables() -> None:
     from physgnn.geometry.segmentation.labels.label_tables import LABEL_TABLES
     from physgnn.io.displacement_files import FORMS
     from physgnn.learning.models import MODELS
-    from physgnn.serving.server import PORT
 
     for command, option, rows in (
         ("train", "model", MODELS),
@@ -101,7 +100,6 @@ def test_names_that_the_help_spells_out_are_those_of_the_tables() -> None:
         text = options(command)[option].help
         for row in rows:
             assert row in text, (command, option, row)
-    assert options("view")["port"].default == PORT
 
 
 def test_help_comes_without_torch_or_kernels() -> None:

@@ -17,7 +17,6 @@ from physgnn.serving.scene.viewed import view
 from physgnn.serving.sessions.engine import Engine
 
 HOST = "127.0.0.1"
-PORT = 8750
 # Longer messages are refused by `messages`; these only bound what is read of them.
 MAX_MESSAGE_BYTES = 1 << 16
 MAX_HEADER_BYTES = 1 << 14
@@ -29,7 +28,7 @@ REQUEST_SECONDS = 10.0  # for the first request to be whole
 def serve(
     path: str | Path | None = None,
     *,
-    port: int = PORT,
+    port: int,
     image: str | Path | None = None,
     affine: str | None = None,
     igtl: int | None = None,
