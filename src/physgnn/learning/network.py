@@ -57,6 +57,14 @@ class Network(nn.Module, Surrogate):
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:
         """Return displacement in mm, (batch, n_points, 3), for encoded inputs."""
 
+    def at_points(self, inputs: Tensor, graph: Graph, points: Tensor) -> Tensor:
+        """Return what `forward` does at some points, (batch, n, 3), mm.
+
+        A network that can leave out work on the others does so.
+        """
+        displacement: Tensor = self(inputs, graph)[:, points]
+        return displacement
+
     def refine(
         self,
         load_case: LoadCase,  # noqa: ARG002

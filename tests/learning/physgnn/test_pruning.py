@@ -10,8 +10,9 @@ from torch import Tensor
 
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
+from physgnn.learning.physgnn.load_neighbourhood import LoadNeighbourhood
 from physgnn.learning.physgnn.network import N_LAYERS, PhysGNN
-from physgnn.learning.physgnn.pruning import NEIGHBOURHOODS_CACHED, LoadNeighbourhood
+from physgnn.learning.physgnn.pruning import NEIGHBOURHOODS_CACHED
 
 
 @pytest.fixture(scope="module")
@@ -197,3 +198,23 @@ def test_of_many_loads_only_the_last_graphs_are_cached(
     finally:
         gc.enable()
     assert alive == 2 * N_LAYERS * NEIGHBOURHOODS_CACHED
+
+
+@pytest.mark.parametrize("nodes", [[0, 3], []])
+def test_some_points_get_what_all_would_give_them(
+    graph: Graph, network: PhysGNN, nodes: list[int]
+) -> None:
+    network = network.double()
+    double = replace(graph, weight=graph.weight.double())
+    x = loaded_features(graph, batch=3, nodes=nodes).double()
+    near, far = (distance(graph, [0, 3]) <= N_LAYERS), torch.arange(graph.n_points)
+    drawn = torch.randperm(graph.n_points, generator=torch.Generator().manual_seed(1))
+    for points in (drawn[:200], far[~near][:50].flip(0), far[near][:50]):
+        gradients = []
+        for y in (network(x, double, points), whole(network, x, double)[:, points]):
+            network.zero_grad()
+            y.square().sum().backward()
+            gradients.append([y.detach(), *(p.grad for p in network.parameters())])
+            gradients[-1] = [value.clone() for value in gradients[-1]]
+        for some, expected in zip(*gradients, strict=True):
+            torch.testing.assert_close(some, expected, rtol=1e-8, atol=1e-9)

@@ -36,7 +36,10 @@ class JumpingKnowledge(nn.Module):
         self.compiled = LayerScores(self.lstm, self.score)
 
     def forward(
-        self, layers: Sequence[Tensor], common: Sequence[Tensor] | None = None
+        self,
+        layers: Sequence[Tensor],
+        common: Sequence[Tensor] | None = None,
+        rows: Tensor | None = None,
     ) -> Tensor:
         """Return the layers' weighted mean.
 
@@ -46,11 +49,17 @@ class JumpingKnowledge(nn.Module):
             Each layer's output on the first points, ever more of them.
         common : sequence of (n − n_k, width) tensors, optional
             Each layer's output on the other points, the same for all samples.
+        rows : (n,) tensor, optional
+            Points whose mean is wanted, ascending; by default all.
 
         Returns
         -------
         (batch, n, width) tensor
         """
+        if rows is not None:
+            if not len(rows):
+                return layers[0][:, :0]
+            layers, common = _on_rows(layers, common, rows)
         whole = layers if common is None else list(map(filled, layers, common))
         if compiled_for(whole[0]):
             scores = self.compiled(layers, common)
@@ -67,3 +76,19 @@ class JumpingKnowledge(nn.Module):
         sequences = torch.stack([layer.flatten(0, 1) for layer in layers])
         scores: Tensor = self.score(self.lstm(sequences)[0])
         return scores.view(len(layers), *layers[0].shape[:2])
+
+
+def _on_rows(
+    layers: Sequence[Tensor], common: Sequence[Tensor] | None, rows: Tensor
+) -> tuple[Sequence[Tensor], Sequence[Tensor] | None]:
+    """Take some rows of layers, of which each has its own first and all the same."""
+    own = [rows[rows < layer.shape[1]] for layer in layers]
+    if common is not None:
+        common = [
+            other.index_select(0, rows[len(first) :] - layer.shape[1])
+            for layer, other, first in zip(layers, common, own, strict=True)
+        ]
+    picked = [
+        layer.index_select(1, first) for layer, first in zip(layers, own, strict=True)
+    ]
+    return picked, common

@@ -78,3 +78,8 @@ class PhysGNNModel(Network):
         """Return displacement in mm, (batch, n_points, 3)."""
         displacement: Tensor = self.network(inputs, graph)
         return displacement
+
+    def at_points(self, inputs: Tensor, graph: Graph, points: Tensor) -> Tensor:
+        """Return displacement at some points in mm, (batch, n, 3)."""
+        displacement: Tensor = self.network(inputs, graph, points)
+        return displacement

@@ -9,7 +9,6 @@ reaches. The result, and its gradient, are those of the whole computation.
 
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple, Protocol
 
@@ -18,6 +17,7 @@ from torch import Tensor
 from torch.nn import Parameter
 
 from physgnn.learning.graph import Graph
+from physgnn.learning.physgnn.load_neighbourhood import LoadNeighbourhood
 
 Rest = Callable[[int, int, int], Tensor]
 """From an output's place in the list of them, a number of rows and another, to the
@@ -38,7 +38,11 @@ class Layered(Protocol):
     """A network that tells the output of each of its layers."""
 
     def outputs(
-        self, x: Tensor, graphs: Sequence[Graph], rest: Rest | None = None
+        self,
+        x: Tensor,
+        graphs: Sequence[Graph],
+        rest: Rest | None = None,
+        rows: Tensor | None = None,
     ) -> list[Tensor]:
         """See :meth:`physgnn.learning.physgnn.network.PhysGNN.outputs`."""
 
@@ -68,66 +72,6 @@ def unloaded(x: Tensor) -> tuple[Tensor, Tensor]:
     force = x[0, (x[0, :, 1] == usual).nonzero()[0, 0], 1:]
     background = torch.cat([x[0, :, :1], force.expand(x.shape[1], -1)], dim=1)
     return background, (x != background).any(dim=2).any(dim=0)
-
-
-@dataclass(frozen=True, eq=False)
-class LoadNeighbourhood:
-    """Points in the order in which messages from the loads arrive.
-
-    In this order the points within k hops are the first ones, so that leaving out the
-    others is taking the first rows of whatever there is.
-
-    Attributes
-    ----------
-    order : (n_points,) tensor
-        The points, nearest to the loads first.
-    place : (n_points,) tensor
-        The other way round: where each point is in that order.
-    near : tuple of Graph
-        One a layer: its rows the points reached after that layer, its columns these
-        points and their neighbours.
-    far : tuple of Graph
-        One a layer, of the points in reverse order, farthest first: its rows the points
-        whose output without load later layers need, its columns these points and their
-        neighbours.
-    """
-
-    order: Tensor
-    place: Tensor
-    near: tuple[Graph, ...]
-    far: tuple[Graph, ...]
-
-    @classmethod
-    def of(cls, graph: Graph, loaded: Tensor, n_layers: int) -> "LoadNeighbourhood":
-        """Follow the edges from the loaded points, (n_points,) bool, n_layers deep."""
-        # Cached for training as well, wherever it was first asked for.
-        with torch.inference_mode(False):
-            hops = _hops(graph, loaded, n_layers + 1)
-            order = torch.argsort(hops, stable=True)
-            within = [int((hops <= k).sum()) for k in range(n_layers + 2)]
-            beyond = [graph.n_points - n for n in within]
-            ahead, back = graph.reordered(order), graph.reordered(order.flip(0))
-            layers = range(1, n_layers + 1)
-            return cls(
-                order,
-                torch.argsort(order),
-                tuple(ahead.cut(within[k], within[k + 1]) for k in layers),
-                tuple(back.cut(beyond[k], beyond[k - 1]) for k in layers),
-            )
-
-    @property
-    def fraction(self) -> float:
-        """The part of a whole pass's rows that a sample computes."""
-        return self._fraction(self.near)
-
-    @property
-    def fraction_without_load(self) -> float:
-        """The part of a whole pass's rows that are needed without load."""
-        return self._fraction(self.far)
-
-    def _fraction(self, graphs: tuple[Graph, ...]) -> float:
-        rows = sum(graph.n_points for graph in graphs)
-        return rows / (len(graphs) * len(self.order))
 
 
 class _WithoutLoad(NamedTuple):
@@ -164,8 +108,14 @@ class Pruning:
         """Drop the outputs without load, as after a change of precision."""
         self._cached = None
 
-    def last_output(self, network: Layered, x: Tensor, graph: Graph) -> Tensor | None:
-        """Return the network's last output on all points, or None if it wouldn't pay.
+    def last_output(
+        self,
+        network: Layered,
+        x: Tensor,
+        graph: Graph,
+        points: Tensor | None = None,
+    ) -> Tensor | None:
+        """Return the network's last output, or None if pruning wouldn't pay.
 
         Parameters
         ----------
@@ -175,10 +125,12 @@ class Pruning:
             Features.
         graph : Graph
             The whole graph.
+        points : (n,) tensor, optional
+            Points whose output is wanted, each once; by default all.
 
         Returns
         -------
-        (batch, n_points, columns) tensor or None
+        (batch, n, columns) tensor or None
         """
         background, loaded = unloaded(x)
         if not loaded.any():
@@ -188,9 +140,19 @@ class Pruning:
         once = neighbourhood.fraction_without_load if training else 0.0
         if neighbourhood.fraction + once / len(x) > WORTHWHILE:
             return None
-        find = self._on_far_points if training else self._on_all_points
-        rest = find(network, background, graph, neighbourhood)
-        last = network.outputs(x[:, neighbourhood.order], neighbourhood.near, rest)[-1]
+        x = x[:, neighbourhood.order]
+        if points is not None:
+            wanted = neighbourhood.wanted(points)
+            far_outputs = _on_far_points(network, background, neighbourhood, wanted.far)
+            rest = _rest_of_far(far_outputs, neighbourhood)
+            last = network.outputs(x, neighbourhood.near, rest, wanted.near)[-1]
+            return filled(last, far_outputs[-1][0])[:, wanted.place]
+        if training:
+            far_outputs = _on_far_points(network, background, neighbourhood)
+            rest = _rest_of_far(far_outputs, neighbourhood)
+        else:
+            rest = self._on_all_points(network, background, graph, neighbourhood)
+        last = network.outputs(x, neighbourhood.near, rest)[-1]
         far = rest(-1, last.shape[1], graph.n_points)
         return filled(last, far)[:, neighbourhood.place]
 
@@ -204,22 +166,6 @@ class Pruning:
         if len(self._neighbourhoods) > NEIGHBOURHOODS_CACHED:
             self._neighbourhoods.popitem(last=False)
         return neighbourhood
-
-    def _on_far_points(
-        self,
-        network: Layered,
-        background: Tensor,
-        graph: Graph,
-        neighbourhood: LoadNeighbourhood,
-    ) -> Rest:
-        """Compute outputs without load where they're used, for this batch alone."""
-        n_points = graph.n_points
-        outputs = network.outputs(
-            background[neighbourhood.order.flip(0)][None], neighbourhood.far
-        )
-        return lambda place, have, n_rows: outputs[place][
-            0, n_points - n_rows : n_points - have
-        ].flip(0)
 
     def _on_all_points(
         self,
@@ -247,20 +193,27 @@ class Pruning:
         return cached.rest[neighbourhood]
 
 
+def _on_far_points(
+    network: Layered,
+    background: Tensor,
+    neighbourhood: LoadNeighbourhood,
+    rows: Tensor | None = None,
+) -> list[Tensor]:
+    """Compute outputs without load where they're used, for this batch alone."""
+    farthest_first = background[neighbourhood.order.flip(0)][None]
+    return network.outputs(farthest_first, neighbourhood.far, None, rows)
+
+
+def _rest_of_far(outputs: list[Tensor], neighbourhood: LoadNeighbourhood) -> Rest:
+    n_points = len(neighbourhood.order)
+    return lambda place, have, n_rows: outputs[place][
+        0, n_points - n_rows : n_points - have
+    ].flip(0)
+
+
 def _rest_of(outputs: list[Tensor], neighbourhood: LoadNeighbourhood) -> Rest:
     @cache
     def rest(place: int, have: int, n_rows: int) -> Tensor:
         return outputs[place][0, neighbourhood.order[have:n_rows]]
 
     return rest
-
-
-def _hops(graph: Graph, loaded: Tensor, deepest: int) -> Tensor:
-    """Return how many hops each point is from the loads, deepest + 1 if further."""
-    hops = torch.full_like(loaded, deepest + 1, dtype=torch.int64)
-    hops[loaded] = 0
-    row = graph.row
-    for k in range(1, deepest + 1):
-        touched = row[hops[graph.column] == k - 1]
-        hops[touched] = hops[touched].clamp(max=k)
-    return hops

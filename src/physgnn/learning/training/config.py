@@ -51,6 +51,11 @@ class TrainingConfig:
         can be is computed twice: the result is the same, at up to 1.5 times the cost.
     precision : {"float32", "bfloat16"}
         Of a PhysGNN's largest products; weights and all else are float32.
+    point_fraction : float
+        Take the loss at this part of the points, drawn anew for every step. A mean over
+        them is an unbiased estimate of that over all, and so is its gradient. A
+        PhysGNN's step takes two thirds of the time at a third of the points; other
+        models gain nothing. Validation is on all points.
     seed : int
         Of the weights, the order of samples, and dropout.
 
@@ -76,6 +81,7 @@ class TrainingConfig:
     clock: str = "wall"
     memory_mb: float = 768.0
     precision: str = "float32"
+    point_fraction: float = 1.0
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -109,6 +115,10 @@ class TrainingConfig:
         ):  # fmt: skip
             if not 0 <= getattr(self, name) < math.inf:
                 raise InputError(f"{name} must be ≥ 0 (got {getattr(self, name)})")
+        if not 0 < self.point_fraction <= 1:
+            raise InputError(
+                f"point_fraction must be in (0, 1] (got {self.point_fraction})"
+            )
         if not 0 < self.plateau_factor < 1:
             raise InputError(
                 f"plateau_factor must be in (0, 1) (got {self.plateau_factor})"

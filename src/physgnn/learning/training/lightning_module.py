@@ -55,11 +55,12 @@ class TrainingModule(LightningModule):
         assert not isinstance(optimiser, list)
         optimiser.zero_grad()
         seeds, weight = self._seeds(len(batch[0])), self._weight(len(batch[0]))
+        points = self._points(int(batch[2][0]))
         total = torch.zeros((), device=self.device)
         for first in range(0, len(batch[0]), self.at_once):
             part = slice(first, first + self.at_once)
             seed_dropout(self.model, seeds[part])
-            loss = self._loss(batch, part)
+            loss = self._loss(batch, part, points)
             share = len(seeds[part]) / len(seeds)
             self._check(loss)
             self.manual_backward(loss * share * weight)
@@ -82,7 +83,7 @@ class TrainingModule(LightningModule):
 
     def _seeds(self, n_samples: int) -> list[int]:
         """Return a seed for every sample: from run, step and place in the batch."""
-        step = self.config.seed + 1_000_003 * (1 + self.global_step)
+        step = self._step_seed
         rank, processes = self.trainer.global_rank, self.trainer.world_size
         return [1009 * step + rank + processes * k for k in range(n_samples)]
 
@@ -101,11 +102,32 @@ class TrainingModule(LightningModule):
                 "before it, if any, are kept in the run folder"
             )
 
-    def _loss(self, batch: Batch, part: slice = slice(None)) -> Tensor:
+    def _points(self, mesh: int) -> Tensor | None:
+        """Draw the points of this step, the same in all processes; None for all."""
+        fraction, n_points = self.config.point_fraction, self.graphs[mesh].n_points
+        if fraction == 1.0:
+            return None
+        random = torch.Generator().manual_seed(self._step_seed)
+        drawn = torch.randperm(n_points, generator=random)
+        return drawn[: max(round(fraction * n_points), 1)].to(self.device)
+
+    @property
+    def _step_seed(self) -> int:
+        return self.config.seed + 1_000_003 * (1 + self.global_step)
+
+    def _loss(
+        self,
+        batch: Batch,
+        part: slice = slice(None),
+        points: Tensor | None = None,
+    ) -> Tensor:
         inputs, true, mesh = batch
         k = int(mesh[0])
-        predicted = self.networks[k](inputs[part], self.graphs[k])
-        return self.loss(predicted, true[part])
+        network, graph = self.networks[k], self.graphs[k]
+        if points is None:
+            return self.loss(network(inputs[part], graph), true[part])
+        predicted = network.at_points(inputs[part], graph, points)
+        return self.loss(predicted, true[part][:, points])
 
     def _log(self, name: str, loss: Tensor, batch: Batch) -> None:
         size = len(batch[0])
