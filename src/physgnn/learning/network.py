@@ -91,6 +91,17 @@ class Network(nn.Module, Surrogate):
         for name, part in self.named_children():
             setattr(self, name, copy.deepcopy(part).train())
 
+    def begin_with(self, other: Surrogate) -> None:
+        """Begin a training with a copy of another body's network's weights.
+
+        Raises
+        ------
+        InputError
+            If the other's weights do not fit this network.
+        """
+        self.share_weights(other)
+        self.own_weights()
+
     def release(self) -> None:
         """Free what encoding keeps in memory; it is made again when needed."""
 

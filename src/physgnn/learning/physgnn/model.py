@@ -13,6 +13,7 @@ from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
 from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.physgnn.normalization import Normalizer
 from physgnn.learning.physgnn.precision import set_precision
+from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadCase
 
@@ -73,6 +74,23 @@ class PhysGNNModel(Network):
     def set_precision(self, precision: str) -> None:
         """Choose the precision of the LSTMs' products."""
         set_precision(self, precision)
+
+    def begin_with(self, other: Surrogate) -> None:
+        """Begin with a copy of weights that were trained on another mesh.
+
+        What they know of the far field is of that mesh, and has to be learnt anew.
+        """
+        kind = (self.network.configuration, self.network.dataset, self.network.width)
+        if not isinstance(other, PhysGNNModel):
+            raise InputError("a PhysGNN can only begin with the weights of a PhysGNN")
+        theirs = other.network
+        if kind != (theirs.configuration, theirs.dataset, theirs.width):
+            raise InputError(
+                "configuration, dataset and width must be those of the run to begin "
+                f"with, {theirs.configuration}, {theirs.dataset} and {theirs.width} "
+                f"(got {', '.join(map(str, kind))})"
+            )
+        self.network.load_state_dict(theirs.state_dict())
 
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:
         """Return displacement in mm, (batch, n_points, 3)."""

@@ -59,7 +59,7 @@ class PhysGNN(nn.Module):
     ) -> None:
         super().__init__()
         _check(configuration, dataset, width)
-        self.width = width
+        self.configuration, self.dataset, self.width = configuration, dataset, width
         layers, *aggregations = CONFIGURATIONS[configuration]
         inputs = [N_INPUTS] + [width] * (len(layers) - 1)
         self.convolutions = nn.ModuleList(

@@ -62,8 +62,7 @@ def build_models(
     ]
     first, *others = models = [model for model in built if isinstance(model, Network)]
     if start is not None:
-        first.share_weights(start)
-        first.own_weights()
+        first.begin_with(start)
     for other in others:
         other.share_weights(first)
     return models
