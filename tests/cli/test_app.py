@@ -157,6 +157,33 @@ def test_weights_that_give_no_numbers_are_refused(call: Call, tmp_path: Path) ->
     assert "its output is not finite" in err
 
 
+def test_published_weights_as_a_run(call: Call, folder: Path, tmp_path: Path) -> None:
+    torch.manual_seed(0)
+    torch.save(PhysGNN(9, 1).state_dict(), tmp_path / "weights.pt")
+    weights = ("published", tmp_path / "weights.pt", "--configuration", 9)
+    store, run = folder / "loads.zarr", tmp_path / "run"
+    case, loads = folder / "case.vtu", folder / "loads.toml"
+    code, _, err = call("simulate", case, "--loads", loads, "-o", store)
+    assert code == 0, err
+    code, _, err = call(*weights, "--store", store)
+    assert code == 2
+    assert "takes both a dataset" in err
+    code, out, err = call(*weights, "--dataset", 1, "--store", store, "-o", run)
+    assert code == 0, err
+    assert f"{run}: a run of configuration 9" in out
+    code, out, err = call("evaluate", run, "--split", "published")
+    assert code == 0, err
+    options = ("--config", tmp_path / "options.toml", "--max-epochs", 1, "--from", run)
+    (tmp_path / "options.toml").write_text(
+        '[options]\nconfiguration = 9\ndataset = 1\nnormaliser = "published"\n'
+    )
+    code, _, err = call("train", store, *options, "-o", tmp_path / "trained")
+    assert code == 0, err
+    code, _, err = call(*weights, "--store", store, "-o", run)
+    assert code == 2
+    assert "holds a run already" in err
+
+
 def test_published(call: Call, shared: Path) -> None:
     paper = shared / "paper"
     options = ("--golden", paper / "golden_forward.npz", "--configuration", 3)

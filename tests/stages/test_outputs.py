@@ -21,7 +21,7 @@ READ = {
     "runs", "scan", "segmentation", "series", "sets", "source", "sources", "start",
     "store", "surface", "target", "tumour", "ventricles", "weights", "whole_surface",
 }  # fmt: skip
-WITHOUT = {"published", "selftest"}  # stages that write nothing
+WITHOUT = {"selftest"}  # stages that write nothing
 SUFFIX = {"register": ".vtu", "predict": ".vtu"}
 
 

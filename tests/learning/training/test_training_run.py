@@ -45,19 +45,47 @@ def test_the_loss_falls_and_the_best_weights_are_kept(
     assert "epoch 14" in told[-1][2]
 
 
+@pytest.mark.parametrize("fraction", [1.0, 0.3])
 def test_a_resumed_run_equals_one_never_interrupted(
-    store: Store, split: Split, tmp_path: Path
+    store: Store, split: Split, tmp_path: Path, fraction: float
 ) -> None:
     whole, parts = tmp_path / "whole", tmp_path / "parts"
-    train(store, split, SMALL, whole)
-    train(store, split, replace(SMALL, max_epochs=2), parts)
-    train(store, split, SMALL, parts, resume=True)
+    config = replace(SMALL, point_fraction=fraction)
+    train(store, split, config, whole)
+    train(store, split, replace(config, max_epochs=2), parts)
+    train(store, split, config, parts, resume=True)
     for of_whole, of_parts in zip(metrics(whole), metrics(parts), strict=True):
         for name in ("epoch", "training_loss", "validation_loss", "learning_rate"):
             assert of_whole[name] == of_parts[name], name
     expected = Checkpoint.load(whole).model.state_dict()
     for name, value in Checkpoint.load(parts).model.state_dict().items():
         assert torch.equal(value, expected[name]), name
+
+
+def test_a_loss_on_some_points_leads_where_that_on_all_does(
+    store: Store, split: Split, tmp_path: Path
+) -> None:
+    whole, some = tmp_path / "whole", tmp_path / "some"
+    config = replace(SMALL, max_epochs=15)
+    train(store, split, config, whole)
+    train(store, split, replace(config, point_fraction=0.3), some)
+    first, last = (float(metrics(whole)[k]["validation_loss"]) for k in (0, -1))
+    reached = float(metrics(some)[-1]["validation_loss"])
+    assert reached < last + 0.3 * (first - last)
+
+
+def test_training_begins_with_the_weights_of_another_run(
+    store: Store, split: Split, tmp_path: Path
+) -> None:
+    start = train(store, split, replace(SMALL, max_epochs=2), tmp_path / "start")
+    still = replace(SMALL, max_epochs=1, learning_rate=1e-12, weight_decay=0.0)
+    begun = train(store, split, still, tmp_path / "begun", start=start)
+    expected = start.model.state_dict()
+    for name, value in begun.model.state_dict().items():
+        torch.testing.assert_close(value, expected[name], rtol=0, atol=1e-9)
+    other = replace(SMALL, options={"width": 6})
+    with pytest.raises(InputError, match="3, 2 and 8"):
+        train(store, split, other, tmp_path / "other", start=start)
 
 
 class KilledError(Exception):
@@ -85,18 +113,6 @@ def test_a_run_killed_within_an_epoch_loses_no_batch(
     with pytest.raises(KilledError):
         train(store, split, config, parts, progress=kill)
     train(store, split, config, parts, resume=True)
-    print(
-        [
-            (r["epoch"], r["training_loss"][:8], r["validation_loss"][:8])
-            for r in metrics(whole)
-        ]
-    )
-    print(
-        [
-            (r["epoch"], r["training_loss"][:8], r["validation_loss"][:8])
-            for r in metrics(parts)
-        ]
-    )
     assert [row["validation_loss"] for row in metrics(whole)] == [
         row["validation_loss"] for row in metrics(parts)
     ]
@@ -194,6 +210,8 @@ def test_refuses_to_overwrite_or_to_resume_something_else(
         {"learning_rate": float("inf")},
         {"seed": -1},
         {"max_minutes": 0.0},
+        {"point_fraction": 0.0},
+        {"point_fraction": 1.01},
     ],
 )
 def test_config_refuses_what_makes_no_sense(wrong: dict[str, object]) -> None:

@@ -175,12 +175,30 @@ def published(
     dataset: Annotated[
         int, typer.Option(help="The weights are of this dataset, 1 or 2.")
     ] = 2,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            help="Save the network as a run on this dataset, made by simulate: to "
+            "evaluate, or to train on with train --from."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", help="The folder to write that run to."),
+    ] = None,
 ) -> None:
     """Load published weights and compare with a stored forward pass, if given."""
     with working("comparing"):
         difference = stages.published(
-            weights, golden, configuration=configuration, dataset=dataset
+            weights,
+            golden,
+            configuration=configuration,
+            dataset=dataset,
+            store=store,
+            out=out,
         )
+    if out is not None:
+        print(f"{out}: a run of configuration {configuration} on {store}")
     if difference is not None:
         print(f"largest difference over all points: {difference:.3g} mm")
         return

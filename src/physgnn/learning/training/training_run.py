@@ -12,6 +12,7 @@ from lightning.pytorch import Callback
 from torch import Tensor
 from torch.utils.data import default_collate
 
+from physgnn.dataset import Split, Store
 from physgnn.errors import InputError
 from physgnn.learning.cpu import only_side_by_side
 from physgnn.learning.graph import graph_of
@@ -27,6 +28,7 @@ from physgnn.learning.runs.record import (
     with_result,
     with_start,
 )
+from physgnn.learning.surrogate import Surrogate
 from physgnn.learning.training.budget import Budget
 from physgnn.learning.training.callbacks import KeepBest, MetricsFile, ProgressReport
 from physgnn.learning.training.config import TrainingConfig
@@ -178,18 +180,32 @@ def _fitted(
     model = build_model(config.model, store.body, **config.options)
     model.fit(store, split.train, config.seed)
     spent = budget.spent
+    loss = judged(model, store, split, config.loss, progress)
+    Checkpoint(model, with_result(record, loss=loss, spent=spent)).save(run)
+    write_model_card(run)
+    return Checkpoint.load(run)
+
+
+def judged(
+    model: Surrogate,
+    store: Store,
+    split: Split,
+    loss: str,
+    progress: Progress | None = None,
+) -> float:
+    """Return the mean loss, a row of ``LOSSES``, on some validation samples.
+
+    Those decide nothing: `JUDGED_ON` of them, evenly spread.
+    """
     every = max(len(split.validation) // JUDGED_ON, 1)
     losses, samples = [], split.validation[::every].tolist()
     for path, level in samples:
         predicted = torch.tensor(model.predict(store.load_case(path, level)))
         true = torch.tensor(store.displacement(path)[level])
-        losses.append(float(LOSSES[config.loss](predicted.float()[None], true[None])))
+        losses.append(float(LOSSES[loss](predicted.float()[None], true[None])))
         if progress is not None:
             progress(len(losses), len(samples), "judging")
-    loss = sum(losses) / max(len(losses), 1)
-    Checkpoint(model, with_result(record, loss=loss, spent=spent)).save(run)
-    write_model_card(run)
-    return Checkpoint.load(run)
+    return sum(losses) / max(len(losses), 1)
 
 
 @contextmanager

@@ -9,17 +9,21 @@ import numpy as np
 from physgnn.bundled import BUNDLED_RUN
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
+from physgnn.stages.outputs import FOLDER, writes
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.learning.physgnn.network import PhysGNN
 
 
+@writes(out=FOLDER)
 def published(
     weights: str | Path,
     golden: str | Path | None = None,
     *,
     configuration: int = 3,
     dataset: int = 2,
+    store: str | Path | None = None,
+    out: str | Path | None = None,
 ) -> float | None:
     """Load published weights and return how far they are from a stored forward pass.
 
@@ -37,6 +41,10 @@ def published(
         ``y_<dataset>_<configuration>``.
     configuration, dataset : int
         Which of the published networks it is.
+    store, out : path, optional
+        Save the network as a run on this dataset, with its load normalised by the
+        dataset: to evaluate there, or to begin a training with. It was fitted to
+        another mesh, and its far field is of that mesh.
 
     Returns
     -------
@@ -47,16 +55,25 @@ def published(
     Raises
     ------
     InputError
-        If a file cannot be used, or weights or output are not finite.
+        If a file cannot be used, weights or output are not finite, or one of store and
+        out is given without the other.
     """
     import torch
 
     from physgnn.learning.graph import Graph
     from physgnn.learning.physgnn.published import load_published
 
+    if (store is None) != (out is None):
+        raise InputError(
+            "a run of published weights takes both a dataset, --store, and a folder, "
+            "--out"
+        )
     network = load_published(weights, configuration, dataset)
+    _check_finite(network, Path(weights))
+    if store is not None and out is not None:
+        options = {"configuration": configuration, "dataset": dataset}
+        _save_run(network, options, Path(store), Path(out))
     if golden is None:
-        _check_finite(network, Path(weights))
         return None
     names = (
         "points",
@@ -70,6 +87,36 @@ def published(
     with torch.inference_mode():
         output = network(torch.from_numpy(x), graph).numpy()
     return float(np.linalg.norm(output - y, axis=1).max())
+
+
+def _save_run(
+    network: "PhysGNN", options: dict[str, int], store_path: Path, out: Path
+) -> None:
+    """Save the network as a run, judged on validation samples of the dataset."""
+    from dataclasses import asdict
+
+    from physgnn.dataset import Store, named_split
+    from physgnn.learning.models import build_model
+    from physgnn.learning.physgnn.model import PhysGNNModel
+    from physgnn.learning.runs.checkpoint import Checkpoint
+    from physgnn.learning.runs.record import new_record, with_places, with_result
+    from physgnn.learning.training.config import TrainingConfig
+    from physgnn.learning.training.resumption.resuming import prepare
+    from physgnn.learning.training.training_run import judged
+
+    store = Store.open(store_path)
+    split = named_split("published", store)
+    config = TrainingConfig(options={**options, "normaliser": "published"})
+    record = with_places(new_record([(store, split)], asdict(config)), out, [store])
+    model = build_model(config.model, store.body, **config.options)
+    assert isinstance(model, PhysGNNModel)
+    model.fit(store, split.train)
+    model.network.load_state_dict(network.state_dict())
+    model.eval()
+    prepare(out, record)
+    loss = judged(model, store, split, config.loss)
+    untrained = {"wall": 0.0, "processor": 0.0}
+    Checkpoint(model, with_result(record, loss=loss, spent=untrained)).save(out)
 
 
 def _check_finite(network: "PhysGNN", weights: Path) -> None:
