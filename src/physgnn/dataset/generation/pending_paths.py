@@ -18,6 +18,7 @@ from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.solution import Solution
 from physgnn.mechanics.equilibrium.solver import Solver
 from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.mechanics.meshless.solver import MeshlessSolver
 from physgnn.progress import Progress
 
 ALREADY_THERE = "already there"
@@ -91,11 +92,18 @@ def _febio_solver(store: Store) -> CanSolve:
     return FebioSolver(store.body)
 
 
+def _meshless_solver(store: Store) -> CanSolve:
+    return MeshlessSolver(store.body)
+
+
 SOLVERS: Mapping[str, Callable[[Store], CanSolve]] = {
     "physgnn": _own_solver,
     "febio": _febio_solver,
+    "mtled": _meshless_solver,
 }
 """Solvers by the name that a store's provenance has."""
+FINITE_ELEMENTS = ("physgnn", "febio")
+"""Solvers whose solutions full Newton on the body's elements can check."""
 
 
 def check_febio(element: str, paths: Sequence[LoadPath]) -> None:

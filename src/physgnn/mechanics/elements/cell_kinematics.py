@@ -33,18 +33,8 @@ def volume_change_range(mesh: TetMesh, displacement: FloatArray) -> tuple[float,
 
 
 @njit(cache=True, inline="always")
-def kinematics(cell, gradient, rest, u, F, H):  # type: ignore[no-untyped-def]
-    """Fill F and H = F⁻ᵀ of one cell; return J = det F (H is left if J ≤ 0).
-
-    `rest` is the diagonal of F where u is nothing: 1, or 1/g once the cell has grown.
-    """
-    o, p, q, r = cell[0], cell[1], cell[2], cell[3]
-    for i in range(3):
-        # Relative to the first corner, as the gradients of all four add up to nothing.
-        a, b, c = u[p, i] - u[o, i], u[q, i] - u[o, i], u[r, i] - u[o, i]
-        for j in range(3):
-            F[i, j] = a * gradient[1, j] + b * gradient[2, j] + c * gradient[3, j]
-        F[i, i] += rest
+def inverse_transpose(F, H):  # type: ignore[no-untyped-def]
+    """Fill H = F⁻ᵀ and return J = det F; H is left as it is if J ≤ 0."""
     c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
     c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
     c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
@@ -59,6 +49,22 @@ def kinematics(cell, gradient, rest, u, F, H):  # type: ignore[no-untyped-def]
         H[2, 1] = s * (F[0, 2] * F[1, 0] - F[0, 0] * F[1, 2])
         H[2, 2] = s * (F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0])
     return J
+
+
+@njit(cache=True, inline="always")
+def kinematics(cell, gradient, rest, u, F, H):  # type: ignore[no-untyped-def]
+    """Fill F and H = F⁻ᵀ of one cell; return J = det F (H is left if J ≤ 0).
+
+    `rest` is the diagonal of F where u is nothing: 1, or 1/g once the cell has grown.
+    """
+    o, p, q, r = cell[0], cell[1], cell[2], cell[3]
+    for i in range(3):
+        # Relative to the first corner, as the gradients of all four add up to nothing.
+        a, b, c = u[p, i] - u[o, i], u[q, i] - u[o, i], u[r, i] - u[o, i]
+        for j in range(3):
+            F[i, j] = a * gradient[1, j] + b * gradient[2, j] + c * gradient[3, j]
+        F[i, i] += rest
+    return inverse_transpose(F, H)
 
 
 @njit(cache=True)

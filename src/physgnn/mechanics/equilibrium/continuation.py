@@ -125,9 +125,7 @@ class PathFollower:
                 found,
                 f"snapped through at load factor {reached:.4f} by {way:.2g} mm",
             )
-        cell = f" (cell {stuck.inverted})" if stuck.inverted >= 0 else ""
-        remedy = stuck.status.remedy
-        return stuck, f"stopped at load factor {reached:.4f}: {remedy}{cell}"
+        return stuck, stuck.status.stopped_at(reached, stuck.inverted)
 
     def _snap_through(self, target: float) -> Equilibrium | None:
         found = descend(

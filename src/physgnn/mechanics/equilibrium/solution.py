@@ -24,6 +24,11 @@ class Status(IntEnum):
         """One line: what happened and what to do."""
         return _REMEDY[self]
 
+    def stopped_at(self, load_factor: float, inverted: int = -1) -> str:
+        """One line on a path that ended so: where, why, and at which cell if at one."""
+        cell = f" (cell {inverted})" if inverted >= 0 else ""
+        return f"stopped at load factor {load_factor:.4f}: {self.remedy}{cell}"
+
     def __str__(self) -> str:
         return self.name.lower().replace("_", " ")
 

@@ -6,7 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from physgnn.dataset import SOLVERS, Generation, Preset, Store, generate, verify
-from physgnn.dataset.generation.pending_paths import DEFAULT_SOLVER, check_febio
+from physgnn.dataset.generation.pending_paths import (
+    DEFAULT_SOLVER,
+    FINITE_ELEMENTS,
+    check_febio,
+)
 from physgnn.dataset.presets import find_preset
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
@@ -32,7 +36,7 @@ def simulate(
     solver: str = DEFAULT_SOLVER,
     progress: Progress | None = None,
 ) -> tuple[Store, Generation]:
-    """Solve load paths by finite elements; a second call resumes.
+    """Solve load paths, by finite elements or without; a second call resumes.
 
     Parameters
     ----------
@@ -96,7 +100,8 @@ def simulate_mesh(
 ) -> tuple[Store, Generation]:
     """Solve the load paths of a preset on a mesh; a second call resumes.
 
-    A sample of the levels is checked, see `physgnn.dataset.generation.verification`.
+    A sample of the levels that finite elements gave is checked, see
+    `physgnn.dataset.generation.verification`.
 
     Parameters
     ----------
@@ -147,5 +152,6 @@ def simulate_mesh(
         )
     where: dict[str, Any] = {"workers": workers, "scheduler": scheduler}
     did = generate(opened, progress=progress, **where)
-    verify(opened, progress=progress, **where)
+    if solver in FINITE_ELEMENTS:
+        verify(opened, progress=progress, **where)
     return opened, did

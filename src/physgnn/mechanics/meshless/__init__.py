@@ -1,0 +1,1 @@
+"""Load paths without elements: total Lagrangian explicit dynamics brought to rest."""
