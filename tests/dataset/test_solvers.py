@@ -1,5 +1,6 @@
 """The solver is chosen once a store, and its answers are checked like any other's."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,12 @@ from physgnn.dataset import Preset, Store, generate, verification_of
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
+from physgnn.mechanics.equilibrium.solution import Status
 from physgnn.mechanics.loads.gravity import Gravity
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.sampling import equal_levels
 from physgnn.mechanics.materials import NeoHookean
+from physgnn.mechanics.meshless.solver import MeshlessSolver
 from physgnn.stages.datasets.simulation import simulate_mesh
 
 
@@ -58,11 +61,40 @@ def test_febio_takes_gravity_but_no_fluid(
     assert not (tmp_path / "g.zarr").exists()
 
 
+def two_pushes(_: TetMesh, loaded: np.ndarray) -> list[LoadPath]:
+    forces = ([[0, 1e-3, -4e-3]], [[0, 0, -5.0]])  # the second cannot be borne
+    return [LoadPath(loaded[[5]], force, equal_levels(2)) for force in forces]
+
+
+def test_mtled_resumes_and_says_where_it_stopped(
+    block: TetMesh, tmp_path: Path
+) -> None:
+    preset = replace(PRESET, paths=two_pushes)
+    mesh, paths = preset.on(block)
+    body = Body(mesh, PRESET.materials, mesh.point_set("fixed"))
+    begun = Store.create(
+        tmp_path / "m.zarr", body, paths, provenance={"solver": "mtled"}
+    )
+    solution = MeshlessSolver(body).solve(paths[0])
+    begun.write(0, solution)  # as a run that was killed leaves it
+    store, did = simulate_mesh(block, preset, begun.path, solver="mtled")
+    assert (did.solved, did.errors) == (1, {})
+    assert store.provenance["solver"] == "mtled"
+    assert np.allclose(store.displacement(0), solution.displacement, rtol=1e-6)
+    assert store.status.tolist() == [[0, 0], [Status.INVERTED, Status.NOT_REACHED]]
+    assert "an element inverted" in store.messages()[1]
+    assert len(verification_of(store).samples) == 0  # not of finite elements
+    again, did = simulate_mesh(block, preset, begun.path, solver="mtled")
+    assert did.solved == 0
+    with pytest.raises(InputError, match="was begun with --solver mtled: go on with"):
+        simulate_mesh(block, preset, again.path)
+
+
 @pytest.mark.parametrize(
     ("solver", "message"),
     [
         ("febio", "no program 'febio4' is on PATH"),
-        ("abaqus", r"no solver 'abaqus' \(there are: physgnn, febio\)"),
+        ("abaqus", r"no solver 'abaqus' \(there are: physgnn, febio, mtled\)"),
     ],
 )
 def test_refusals_leave_no_store(

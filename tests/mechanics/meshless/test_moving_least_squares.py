@@ -85,5 +85,5 @@ def test_points_in_a_plane_say_what_to_do(block) -> None:
     flat = block.points * [1.0, 1.0, 0.0]
     radii = np.full(len(flat), 50.0)
     near = neighbours(flat, radii, flat[:1])
-    with pytest.raises(InputError, match="lie in one plane.*refine the mesh"):
+    with pytest.raises(InputError, match=r"lie in one plane.*refine the mesh"):
         shape_functions(flat, radii, flat[:1], near)

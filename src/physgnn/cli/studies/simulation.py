@@ -52,10 +52,13 @@ def simulate(
         ),
     ] = None,
     solver: Annotated[
-        choices.SolverName, typer.Option(help="Solve by this program.")
+        choices.SolverName,
+        typer.Option(
+            help="Solve by our finite elements, by FEBio, or without elements (mtled)."
+        ),
     ] = "physgnn",
 ) -> None:
-    """Solve load paths by finite elements; call it again to resume."""
+    """Solve load paths, by default by finite elements; call it again to resume."""
     with progress("simulating") as move:
         store, did = stages.simulate(
             case,

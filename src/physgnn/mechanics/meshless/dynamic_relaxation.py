@@ -107,7 +107,7 @@ class DynamicRelaxation:
     ) -> Rest:
         """Step from a state, without velocity, until nothing moves any more."""
         state, step = start, np.zeros_like(start)
-        now, residual = balance(start), np.inf
+        now, residual, scale = balance(start), np.inf, np.finfo(float).tiny
         self._window.clear()
         for n in range(1, self._options.max_iterations + 1):
             if now.inverted >= 0:
@@ -120,7 +120,9 @@ class DynamicRelaxation:
             before, now = now, balance(state)
             self.n_steps += 1
             self._learn(step, before.force - now.force)
-            residual = np.linalg.norm(now.force) / max(now.scale, np.finfo(float).tiny)
+            # The greatest on the way: where growth is free, all forces go to nothing.
+            scale = max(scale, now.scale)
+            residual = float(np.linalg.norm(now.force)) / scale
             left = decay / (1 - decay) * largest_norm(step)
             if n >= WINDOW and self._is_enough(now, left, residual):
                 return Rest(state, Status.CONVERGED, residual)
