@@ -33,7 +33,9 @@ def places(block: TetMesh) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def radii(block: TetMesh, places: np.ndarray) -> np.ndarray:
-    return support_radii(block, places, dilation=1.6, least=LEAST)
+    return support_radii(
+        block.points, places, wanted=np.full(len(places), 5.0), least=LEAST
+    )
 
 
 def test_linear_fields_are_reproduced(block, places, radii) -> None:
@@ -60,10 +62,10 @@ def test_quadratic_fields_are_reproduced_to_the_penalty(block, places, radii) ->
 
 def test_gradients_are_derivatives(block, places, radii) -> None:
     h = 1e-5
-    _, gradients = evaluate(block, places[:40], radii)
+    _, gradients = evaluate(block, places[:40], radii[:40])
     for k in range(3):
         ahead, behind = (
-            evaluate(block, places[:40] + s * h * np.eye(3)[k], radii)[0]
+            evaluate(block, places[:40] + s * h * np.eye(3)[k], radii[:40])[0]
             for s in (1, -1)
         )
         difference = (ahead - behind) / (2 * h)
@@ -71,19 +73,26 @@ def test_gradients_are_derivatives(block, places, radii) -> None:
 
 
 def test_every_place_has_enough_neighbours(block, places) -> None:
-    sparse = support_radii(block, places, dilation=0.5, least=LEAST)
-    near = neighbours(block.points, sparse, places)
+    none = np.zeros(len(places))
+    radii = support_radii(block.points, places, wanted=none, least=LEAST)
+    near = neighbours(block.points, radii, places)
     assert np.diff(near.start).min() >= LEAST
     distance = np.linalg.norm(places[3] - block.points, axis=1)
     mine = near.nodes[near.start[3] : near.start[4]]
-    assert set(mine) == set(np.flatnonzero(distance <= sparse))
-    wide = support_radii(block, places, dilation=4.0, least=LEAST)
-    np.testing.assert_allclose(wide, 4.0 * spacing(block))
+    assert mine.tolist() == np.flatnonzero(distance <= radii[3]).tolist()
+    wide = support_radii(block.points, places, wanted=none + 30.0, least=LEAST)
+    assert (wide == 30.0).all()
+
+
+def test_spacing_is_the_mean_edge() -> None:
+    one = TetMesh(np.eye(4, 3, k=-1), [[0, 1, 2, 3]], [0])
+    others = (1 + 2 * 2**0.5) / 3
+    np.testing.assert_allclose(spacing(one), [1, others, others, others])
 
 
 def test_points_in_a_plane_say_what_to_do(block) -> None:
     flat = block.points * [1.0, 1.0, 0.0]
-    radii = np.full(len(flat), 50.0)
+    radii = np.full(1, 50.0)
     near = neighbours(flat, radii, flat[:1])
     with pytest.raises(InputError, match=r"lie in one plane.*refine the mesh"):
         shape_functions(flat, radii, flat[:1], near)

@@ -1,10 +1,12 @@
 """Everything of a meshless body that depends on its points and cells alone."""
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import scipy.sparse as sp
 
+from physgnn.arrays import FloatArray
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.meshless.integration import (
     IntegrationPoints,
@@ -12,7 +14,14 @@ from physgnn.mechanics.meshless.integration import (
 )
 from physgnn.mechanics.meshless.moving_least_squares import shape_functions
 from physgnn.mechanics.meshless.options import MeshlessOptions
-from physgnn.mechanics.meshless.supports import neighbours, support_radii
+from physgnn.mechanics.meshless.supports import (
+    Neighbours,
+    neighbours,
+    spacing,
+    support_radii,
+)
+
+Pair: TypeAlias = tuple[FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,18 +50,18 @@ def make_approximation(mesh: TetMesh, options: MeshlessOptions) -> Approximation
     InputError
         If the points around some place lie in one plane.
     """
-    points = mesh.points
+    points, at_points = mesh.points, options.dilation * spacing(mesh)
     places = integration_places(mesh, options.points_per_cell)
-    radii = support_radii(
-        mesh,
-        np.concatenate([places, points]),
-        dilation=options.dilation,
-        least=options.least_neighbours,
-    )
-    near = neighbours(points, radii, places)
-    _, gradients = shape_functions(points, radii, places, near)
-    around = neighbours(points, radii, points)
-    values, _ = shape_functions(points, radii, points, around)
+    inside = np.repeat(at_points[mesh.cells].mean(axis=1), options.points_per_cell)
+
+    def evaluate(x: FloatArray, wanted: FloatArray) -> tuple[Neighbours, Pair]:
+        least = options.least_neighbours
+        radii = support_radii(points, x, wanted=wanted, least=least)
+        near = neighbours(points, radii, x)
+        return near, shape_functions(points, radii, x, near)
+
+    near, (_, gradients) = evaluate(places, inside)
+    around, (values, _) = evaluate(points, at_points)
     shape = sp.csr_matrix((values, around.nodes, around.start), (len(points),) * 2)
     per_cell = options.points_per_cell
     return Approximation(

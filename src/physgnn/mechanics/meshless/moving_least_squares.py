@@ -25,7 +25,7 @@ from physgnn.errors import InputError
 from physgnn.mechanics.meshless.supports import Neighbours
 
 N_TERMS = 10  # 1, x, y, z and the six products
-PENALTY = 1e-7  # ε on coordinates over the median radius; the source's
+PENALTY = 1e-7  # ε on coordinates over the support radius; the source's
 
 
 def shape_functions(
@@ -37,8 +37,8 @@ def shape_functions(
     ----------
     points : (n_points, 3) array
         mm.
-    radii : (n_points,) array
-        Support radii, mm.
+    radii : (n_places,) array
+        Support radii, mm; constants to the derivative.
     places : (n_places, 3) array
         Where to evaluate, mm.
     near : Neighbours
@@ -58,11 +58,8 @@ def shape_functions(
     """
     values = np.empty(len(near.nodes))
     gradients = np.empty((len(near.nodes), 3))
-    scale = float(np.median(radii))
     try:
-        _evaluate(
-            places, near.start, near.nodes, points, radii, scale, values, gradients
-        )
+        _evaluate(places, near.start, near.nodes, points, radii, values, gradients)
     except np.linalg.LinAlgError as error:
         raise InputError(
             "the points around a place lie in one plane: a meshless approximation "
@@ -73,7 +70,7 @@ def shape_functions(
 
 @njit(cache=True)
 def _evaluate(  # type: ignore[no-untyped-def]
-    places, start, nodes, points, radii, scale, values, gradients
+    places, start, nodes, points, radii, values, gradients
 ):
     p, w, dw = np.empty(N_TERMS), 0.0, np.empty(3)
     M, dM = np.empty((N_TERMS, N_TERMS)), np.empty((3, N_TERMS, N_TERMS))
@@ -84,7 +81,7 @@ def _evaluate(  # type: ignore[no-untyped-def]
         for i in range(4, N_TERMS):
             M[i, i] = PENALTY
         for n in range(start[q], start[q + 1]):
-            w = _weigh(points[nodes[n]], places[q], radii[nodes[n]], scale, p, dw)
+            w = _weigh(points[nodes[n]], places[q], radii[q], p, dw)
             for i in range(N_TERMS):
                 for j in range(N_TERMS):
                     product = p[i] * p[j]
@@ -94,12 +91,12 @@ def _evaluate(  # type: ignore[no-untyped-def]
         a = np.linalg.solve(M, first)
         for k in range(3):  # ∂M⁻¹ = −M⁻¹ ∂M M⁻¹
             for i in range(N_TERMS):
-                right[i, k] = 1.0 / scale if i == k + 1 else 0.0
+                right[i, k] = 1.0 / radii[q] if i == k + 1 else 0.0
                 for j in range(N_TERMS):
                     right[i, k] -= dM[k, i, j] * a[j, 0]
         b = np.linalg.solve(M, right)
         for n in range(start[q], start[q + 1]):
-            w = _weigh(points[nodes[n]], places[q], radii[nodes[n]], scale, p, dw)
+            w = _weigh(points[nodes[n]], places[q], radii[q], p, dw)
             fit = 0.0
             for i in range(N_TERMS):
                 fit += a[i, 0] * p[i]
@@ -112,13 +109,13 @@ def _evaluate(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, inline="always")
-def _weigh(point, place, radius, scale, p, dw):  # type: ignore[no-untyped-def]
+def _weigh(point, place, radius, p, dw):  # type: ignore[no-untyped-def]
     """Fill p and ∂w/∂x, return w = 1 − 6 s² + 8 s³ − 3 s⁴, s = distance/radius."""
     x, y, z = point[0] - place[0], point[1] - place[1], point[2] - place[2]
     s = min(np.sqrt(x * x + y * y + z * z) / radius, 1.0)
     rate = 12.0 * (1.0 - s) ** 2 / radius**2
     dw[0], dw[1], dw[2] = rate * x, rate * y, rate * z
-    x, y, z = x / scale, y / scale, z / scale
+    x, y, z = x / radius, y / radius, z / radius
     p[0], p[1], p[2], p[3] = 1.0, x, y, z
     p[4], p[5], p[6] = x * x, x * y, x * z
     p[7], p[8], p[9] = y * y, y * z, z * z

@@ -16,7 +16,7 @@ class MeshlessOptions:
     points_per_cell : int
         Integration points a tetrahedron: 1, its middle, or 4, exact to degree 2.
     dilation : float
-        Support radius over the mean length of the edges at a point.
+        Support radius at a place over the mean length of the edges there.
     least_neighbours : int
         Points that every place depends on, at least; ten terms need ten or more.
     tolerance_mm : float

@@ -1,8 +1,9 @@
 """Which points the approximation at a place depends on: supports and neighbours.
 
-A point acts on every place nearer than its support radius. The radius is a multiple of
-the spacing there, and larger where places would have too few neighbours, so that it
-belongs to the point and the approximation stays smooth.
+A place depends on all points within its support radius. The radius is a multiple of the
+spacing there, and larger where it would hold too few. It belongs to the place, so that
+fine and coarse parts of a mesh have about as many neighbours: a radius of the points
+would reach from coarse parts far into fine ones, and smooth away what these resolve.
 """
 
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from scipy.spatial import cKDTree
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.tetmesh import TetMesh
 
-MARGIN = 1.2  # a nearest neighbour lies this far inside of its radius: w > 0.01
+MARGIN = 1.2  # the last of the least neighbours lies so far inside: w > 0.01
 EDGES = np.array(list(combinations(range(4), 2)))
 
 
@@ -46,45 +47,40 @@ def spacing(mesh: TetMesh) -> FloatArray:
 
 
 def support_radii(
-    mesh: TetMesh, places: FloatArray, *, dilation: float, least: int
+    points: FloatArray, places: FloatArray, *, wanted: FloatArray, least: int
 ) -> FloatArray:
-    """Return the support radius of every point, (n_points,), mm.
-
-    Parameters
-    ----------
-    mesh : TetMesh
-    places : (n_places, 3) array
-        Where the approximation is evaluated, mm.
-    dilation : float
-        Radius over the mean length of the edges at a point.
-    least : int
-        Neighbours that every place must have, if there are so many points.
-    """
-    tree = cKDTree(mesh.points)
-    n_nearest = min(least, mesh.n_points)
-    distance, nearest = tree.query(places, k=np.arange(1, n_nearest + 1))
-    reach = np.zeros(mesh.n_points)
-    np.maximum.at(reach, nearest, distance)
-    radii: FloatArray = np.maximum(dilation * spacing(mesh), MARGIN * reach)
-    return radii
-
-
-def neighbours(points: FloatArray, radii: FloatArray, places: FloatArray) -> Neighbours:
-    """Find the points whose supports hold each place.
+    """Return the support radius at every place, (n_places,), mm.
 
     Parameters
     ----------
     points : (n_points, 3) array
         mm.
-    radii : (n_points,) array
+    places : (n_places, 3) array
+        Where the approximation is evaluated, mm.
+    wanted : (n_places,) array
+        The radius where it holds enough points, mm.
+    least : int
+        Neighbours that every place must have, if there are so many points.
+    """
+    n_nearest = min(least, len(points))
+    farthest, _ = cKDTree(points).query(places, k=[n_nearest])
+    radii: FloatArray = np.maximum(wanted, MARGIN * farthest[:, 0])
+    return radii
+
+
+def neighbours(points: FloatArray, radii: FloatArray, places: FloatArray) -> Neighbours:
+    """Find the points within the radius of each place.
+
+    Parameters
+    ----------
+    points : (n_points, 3) array
+        mm.
+    radii : (n_places,) array
         mm.
     places : (n_places, 3) array
         mm.
     """
-    found = cKDTree(places).query_ball_point(points, radii)
-    count = np.array([len(held) for held in found])
-    place = np.concatenate([np.asarray(held, dtype=np.int64) for held in found])
-    node = np.repeat(np.arange(len(points), dtype=np.int32), count)
+    found = cKDTree(points).query_ball_point(places, radii, return_sorted=True)
     start = np.zeros(len(places) + 1, dtype=np.int64)
-    np.cumsum(np.bincount(place, minlength=len(places)), out=start[1:])
-    return Neighbours(start, node[np.argsort(place, kind="stable")])
+    np.cumsum([len(near) for near in found], out=start[1:])
+    return Neighbours(start, np.concatenate(found).astype(np.int32))
