@@ -235,7 +235,11 @@ POINT_READERS: Mapping[str, Callable[[Path], list[list[MarkedPoint]]]] = {
     ".mrk.json": _read_mrk_json,
 }
 BOTH_ENDS = {
-    ".csv": ("it has three columns, not six", "has six columns"),
+    ".csv": (
+        "it has three columns, not six, which without a header are three and three, "
+        f"or else {', '.join(PAIR_COLUMNS)}",
+        "has six columns",
+    ),
     ".tag": ("it has one volume, not two", "has two volumes"),
 }
 """What is said of one list and of two, of formats that hold both ends side by side."""
