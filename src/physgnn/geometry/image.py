@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -166,7 +167,7 @@ class LabelVolume(Image):
         return np.isin(self.data, labels)
 
 
-def _labels(given: NDArray[np.generic]) -> NDArray[np.int32]:
+def _labels(given: NDArray[Any]) -> NDArray[np.int32]:
     """Return voxels as labels; InputError if they are none."""
     fractions = given != np.round(given) if given.dtype.kind == "f" else np.zeros(1)
     n_fractions = int(np.count_nonzero(fractions))
