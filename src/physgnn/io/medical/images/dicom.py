@@ -87,7 +87,8 @@ def _check_all_read(
     known = {one["name"] for series in found for one in series["slices"]}
     suffixes = {Path(one["name"]).suffix.lower() for one in slices} - {""}
     uid = slices[0]["series"].encode()
-    damaged, others = [], []
+    damaged: list[str] = []
+    others: list[str] = []
     for path in sorted(folder.iterdir()):
         if path.name in known or path.name.startswith(".") or not path.is_file():
             continue
