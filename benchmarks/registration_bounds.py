@@ -222,7 +222,7 @@ def main() -> None:
         for kind, name in missing:
             assert case is not None
             said = registered(body, kind, name, case, seed)
-            log.add(path=seed, level=0, what=f"{skull}, {kind}, {name}", **said)
+            log.add(path=seed, level=1, what=f"{skull}, {kind}, {name}", **said)
     head = ("measured", "cases", "mean error, mm")
     head = (*head, "mean bound held, of error", "largest")
     table((*head, "wrong and ok", "right and flagged"), rows(log))

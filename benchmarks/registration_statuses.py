@@ -180,7 +180,7 @@ def main() -> None:
     options = parser.parse_args()
     print(machine())
     truth, log = Truth(int(1.5 * options.points), "fixed"), Log(options.log)
-    body = Compared(options.points, "fixed", truth.mesh.points)
+    body = Compared(options.points, "fixed", truth.mesh.points, causes=None)
     ways = {**GOOD, **dict.fromkeys(NOISE_TOLD_MM, GOOD["50 pairs"]), **BAD}
     for seed in range(options.first_seed, options.first_seed + options.cases):
         missing = [n for n in ways if list(log.missing([(seed, 0)], n))]

@@ -42,5 +42,12 @@ def test_refusals_say_what_came() -> None:
         Image(np.zeros((3, 3)), np.eye(4))
     with pytest.raises(InputError, match="whole numbers"):
         LabelVolume(np.full((3, 3, 3), 0.5), np.eye(4))  # type: ignore[arg-type]
+    labels = np.ones((5, 5, 5))
+    labels[2, 2, 2] = 1.25
+    with pytest.raises(InputError, match=r"1 of its 125 .* 1\.25.*nearest"):
+        LabelVolume(labels, np.eye(4))  # type: ignore[arg-type]
+    for label in (2**31, 2**40, -(2**31) - 1, float(2**40), np.uint64(2**63)):
+        with pytest.raises(InputError, match=r"labels must be in .*got -?\d{10}"):
+            LabelVolume(np.full((3, 3, 3), label), np.eye(4))  # type: ignore[arg-type]
     with pytest.raises(InputError, match="empty"):
         LabelVolume(np.zeros((3, 3, 3), dtype=np.int32), np.eye(4))

@@ -65,6 +65,15 @@ def test_lengths_that_are_no_millimetres(
         check_millimetres(sphere * factor, "brain")
 
 
+def test_places_that_files_round_or_do_not_know(sphere: np.ndarray) -> None:
+    check_millimetres(sphere + 9e4, "brain")
+    with pytest.raises(InputError, match=r"at most 100000 mm .*move it to the origin"):
+        check_millimetres(sphere + 1e7, "brain")
+    for wrong in (np.nan, np.inf):
+        with pytest.raises(InputError, match="finite"):
+            check_millimetres(np.vstack([sphere, np.full(3, wrong)]), "brain")
+
+
 @pytest.mark.parametrize("unit", UNITS)
 def test_measured_points_in_another_unit_are_refused(
     sphere: np.ndarray, unit: str

@@ -9,7 +9,7 @@ from physgnn.prediction.finite_element import FiniteElementPredictor
 from physgnn.prediction.prediction import PredictionStatus
 
 
-def test_gives_the_answer_of_the_dataset(store: Store, body: Body) -> None:
+def test_gives_the_solution_of_the_dataset(store: Store, body: Body) -> None:
     solve = FiniteElementPredictor(body)
     for level in (0, 2):
         prediction = solve(store.load_case(3, level))
@@ -20,7 +20,7 @@ def test_gives_the_answer_of_the_dataset(store: Store, body: Body) -> None:
         assert prediction.error_estimate_mm.max_mm <= 1e-3
 
 
-def test_a_load_it_cannot_reach_is_no_good_answer(store: Store, body: Body) -> None:
+def test_a_load_it_cannot_reach_has_no_good_status(store: Store, body: Body) -> None:
     case = store.load_case(0, 2)
     crushing = LoadCase(case.nodes, 1e4 * case.forces)
     prediction = FiniteElementPredictor(body)(crushing)

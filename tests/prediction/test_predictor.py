@@ -80,7 +80,7 @@ def test_outside_the_trained_range(store: Store, predictor: Predictor) -> None:
     assert np.linalg.norm(solved.displacement - exact, axis=1).max() < 1e-2
 
 
-def test_a_useless_answer_is_solved_from_rest(store: Store, body: Body) -> None:
+def test_a_useless_displacement_is_solved_from_rest(store: Store, body: Body) -> None:
     """Whatever the network says, a tolerance is met or the status says it is not."""
     case, truth = store.load_case(0, 2), store.displacement(0)[2]
     lost = Predictor(FromFunction(body, lambda _: np.full(truth.shape, np.nan)))
@@ -89,7 +89,7 @@ def test_a_useless_answer_is_solved_from_rest(store: Store, body: Body) -> None:
     assert np.linalg.norm(prediction.displacement - truth, axis=1).max() < 0.01
 
 
-def test_an_answer_its_maker_does_not_trust_is_no_start_of_a_repair(
+def test_a_displacement_its_maker_does_not_trust_is_no_start_of_a_repair(
     store: Store, body: Body
 ) -> None:
     case, truth = store.load_case(0, 2), store.displacement(0)[2]
@@ -103,7 +103,7 @@ def test_an_answer_its_maker_does_not_trust_is_no_start_of_a_repair(
         assert np.linalg.norm(prediction.displacement - truth, axis=1).max() < 0.01
 
 
-def test_the_estimate_is_larger_where_an_answer_does_not_tell_its_equilibrium(
+def test_the_estimate_is_larger_where_a_displacement_does_not_tell_its_equilibrium(
     body: Body, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = LoadCase(body.mesh.point_set("loaded")[:1], np.array([[0.0, 0.0, -0.01]]))

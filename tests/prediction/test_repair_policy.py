@@ -56,7 +56,7 @@ def test_points_without_force_do_not_count(body: Body) -> None:
 
 
 @pytest.mark.parametrize("exponent", [0.8, 1.0, 1.25])
-def test_a_repair_begins_at_the_share_that_still_tells_its_state(
+def test_a_repair_begins_at_the_load_fraction_that_still_tells_its_state(
     body: Body, exponent: float
 ) -> None:
     case, near = pushed_in(body, 1, 0.99 * DEEPEST)
@@ -64,8 +64,8 @@ def test_a_repair_begins_at_the_share_that_still_tells_its_state(
     case, far = pushed_in(body, 1, 2 * DEEPEST)
 
     def answer(part: LoadCase) -> np.ndarray:
-        share = np.linalg.norm(part.forces) / np.linalg.norm(case.forces)
-        return float(share) ** exponent * far
+        fraction = np.linalg.norm(part.forces) / np.linalg.norm(case.forces)
+        return float(fraction) ** exponent * far
 
     start = where_to_begin(answer, body, case, far)
     part = LoadCase(case.nodes, start.load_fraction * case.forces)

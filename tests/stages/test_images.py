@@ -104,6 +104,9 @@ def test_warp_writes_all_that_is_asked(block: TetMesh, tmp_path: Path) -> None:
         slices=slices,
         log=said.append,
     )
+    # two values are a label map's, of which the nearest is taken, and it is said
+    assert set(np.unique(read_image(moved).data)) == {0, 100}
+    assert "looks like a label map" in said[2]
     expected = np.linalg.norm(x - 5.0 - u[0], axis=-1) < 3.0
     np.testing.assert_array_equal(read_image(moved).data > 50, expected)
     np.testing.assert_allclose(read_image(jacobian).data, 1.0, atol=1e-6)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +14,27 @@ from physgnn.errors import InputError
 # Rounding in a NIfTI header's float32 affine stays far below this cosine.
 SHEAR = 1e-3
 INT32 = np.iinfo(np.int32)
+# Of the voxels that are not 0: a label map that was resampled linearly has fractions at
+# borders alone.
+MOST_FRACTIONS = 0.5
+# Labels of a map whose largest is wrong by a slip; grey values are more.
+MOST_BEYOND = 200
+
+
+def voxel_sizes(affine: FloatArray) -> FloatArray:
+    """Return the voxel size along each index, in the unit of an affine, shape (3,).
+
+    Raises
+    ------
+    InputError
+        If the affine has a number that is not finite, or a size is 0.
+    """
+    if not np.isfinite(affine).all():
+        raise InputError("an affine must be finite (this has NaN or infinity)")
+    sizes: FloatArray = np.linalg.norm(affine[:3, :3], axis=0)
+    if not (sizes > 0).all():
+        raise InputError(f"voxels must have a size in mm (got {sizes})")
+    return sizes
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,13 +68,11 @@ class ImageGrid:
                 f"(got shape {tuple(self.shape)})"
             )
         object.__setattr__(self, "shape", tuple(int(n) for n in self.shape))
-        if affine.shape != (4, 4) or not np.isfinite(affine).all():
+        if affine.shape != (4, 4):
             raise InputError(
-                f"an affine must be a finite 4 by 4 matrix (got shape {affine.shape})"
+                f"an affine must be a 4 by 4 matrix (got shape {affine.shape})"
             )
-        sizes = np.linalg.norm(affine[:3, :3], axis=0)
-        if not (sizes > 0).all():
-            raise InputError(f"voxels must have a size in mm (got {sizes})")
+        sizes = voxel_sizes(affine)
         directions = affine[:3, :3] / sizes
         shear = np.abs(directions.T @ directions - np.eye(3)).max()
         if shear > SHEAR:
@@ -64,8 +84,7 @@ class ImageGrid:
     @cached_property
     def voxel_mm(self) -> FloatArray:
         """Voxel size along each index, mm, shape (3,)."""
-        sizes: FloatArray = np.linalg.norm(self.affine[:3, :3], axis=0)
-        return sizes
+        return voxel_sizes(self.affine)
 
     @property
     def voxel_volume_mm3(self) -> float:
@@ -138,16 +157,7 @@ class LabelVolume(Image):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given = np.asarray(self.data)
-        in_range = given.size == 0 or bool(
-            (given.min() >= INT32.min) & (given.max() <= INT32.max)
-        )
-        whole = given.astype(np.int32) if in_range else np.zeros(1, np.int32)
-        if not np.array_equal(whole, given):
-            raise InputError(
-                "a segmentation must hold whole numbers (this is an image, not a "
-                "segmentation: see 'physgnn segment'): give the label map"
-            )
+        whole = _labels(np.asarray(self.data))
         if not whole.any():
             raise InputError("the segmentation is empty: every voxel is 0")
         object.__setattr__(self, "data", whole)
@@ -155,3 +165,31 @@ class LabelVolume(Image):
     def mask(self, labels: tuple[int, ...]) -> BoolArray:
         """Return where any of these labels is."""
         return np.isin(self.data, labels)
+
+
+def _labels(given: NDArray[Any]) -> NDArray[np.int32]:
+    """Return voxels as labels; InputError if they are none."""
+    fractions = given != np.round(given) if given.dtype.kind == "f" else np.zeros(1)
+    n_fractions = int(np.count_nonzero(fractions))
+    low, high = given.min(), given.max()
+    beyond = bool(low < INT32.min or high > INT32.max)
+    if n_fractions > MOST_FRACTIONS * np.count_nonzero(given) or (
+        beyond and len(np.unique(given)) > MOST_BEYOND
+    ):
+        raise InputError(
+            "a segmentation must hold whole numbers (this is an image, not a "
+            "segmentation: see 'physgnn segment'): give the label map"
+        )
+    if n_fractions:
+        raise InputError(
+            f"a segmentation must hold whole numbers ({n_fractions} of its "
+            f"{given.size} voxels do not, such as {given[fractions != 0][0]:.4g}, as "
+            "after resampling): resample it with nearest neighbours"
+        )
+    if beyond:
+        wrong = low if low < INT32.min else high
+        raise InputError(
+            f"labels must be in {INT32.min}…{INT32.max} (got {wrong}): give it a "
+            "smaller number"
+        )
+    return given.astype(np.int32)

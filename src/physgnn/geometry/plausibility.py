@@ -14,6 +14,8 @@ from physgnn.errors import InputError
 # The diagonal of a bounding box, mm: a small lesion to a large head, with room.
 # Outside of it the file is in other units.
 SMALLEST_DIAGONAL, LARGEST_DIAGONAL = 1.0, 2000.0
+# Beyond it single precision, which headers and many meshes have, rounds to 0.01 mm.
+FARTHEST_MM = 1e5
 # Volumes in ml. Outside of POSSIBLE no human brain lies, the smallest newborn's and a
 # large adult's with room; outside of USUAL no healthy adult's.
 POSSIBLE_ML = (50.0, 2500.0)
@@ -27,7 +29,7 @@ LEAST_EXTENT, MOST_EXTENT = 0.02, 3.0  # of theirs, in parts of the body's
 
 
 def check_millimetres(points: FloatArray, what: str) -> None:
-    """Check that coordinates can be in mm, by the diagonal of their bounding box.
+    """Check that coordinates can be in mm, by their bounding box.
 
     Parameters
     ----------
@@ -39,9 +41,18 @@ def check_millimetres(points: FloatArray, what: str) -> None:
     Raises
     ------
     InputError
-        If the diagonal is below 1 or above 2000.
+        If they are not finite, lie 100 m from the origin, or the diagonal is below 1
+        or above 2000.
     """
+    if not np.isfinite(points).all():
+        raise InputError(f"{what}: coordinates must be finite (got NaN or infinity)")
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
+    farthest = float(np.abs(points).max())
+    if farthest > FARTHEST_MM and diagonal <= LARGEST_DIAGONAL:
+        raise InputError(
+            f"{what}: coordinates must be at most {FARTHEST_MM:.0f} mm from the origin "
+            f"(got {farthest:.3g}, where files round them): move it to the origin"
+        )
     if SMALLEST_DIAGONAL <= diagonal <= LARGEST_DIAGONAL:
         return
     too_small = diagonal < SMALLEST_DIAGONAL

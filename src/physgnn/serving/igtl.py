@@ -85,7 +85,7 @@ async def stream(
     InputError
         If pyigtl is not installed.
     """
-    _pyigtl()
+    loaded_pyigtl()
     mesh = engine.viewed.body.mesh
     grid = await asyncio.to_thread(grid_over, mesh, GRID_MM)
     newest = Newest(ShownShift(np.zeros_like(mesh.points), AT_REST))
@@ -140,7 +140,7 @@ async def _drained(reader: asyncio.StreamReader) -> None:
 
 
 def _pack(engine: Engine, grid: SampleGrid, surfaces: bool, shift: ShownShift) -> bytes:
-    pyigtl, displacement = _pyigtl(), shift.displacement
+    pyigtl, displacement = loaded_pyigtl(), shift.displacement
     field = grid.at(displacement).astype(np.float32)
     messages = [
         pyigtl.ImageMessage(field, grid.to_world, "ras", device_name="Displacement"),
@@ -163,7 +163,8 @@ def _polygons(faces: IntArray) -> IntArray:
     return np.insert(faces, 0, 3, axis=1).ravel()
 
 
-def _pyigtl() -> Any:
+def loaded_pyigtl() -> Any:
+    """Return the package; InputError if it is not installed."""
     try:
         import pyigtl
     except ModuleNotFoundError as error:

@@ -60,16 +60,19 @@ def serve(
     Raises
     ------
     InputError
-        If there is nothing to show at the path, or a port is taken.
+        If there is nothing to show at the path, a port is taken, or OpenIGTLink is
+        wanted and not installed.
     """
+    if igtl is not None:
+        from physgnn.serving.igtl import loaded_pyigtl, stream
+
+        loaded_pyigtl()  # before the model takes its time
     with ExitStack() as sockets:
         listening = sockets.enter_context(listen(port))
         grey = None if image is None else read_grey(image, affine=affine, log=log)
         engine = Engine(view(path, None if desk is None else desk.mesh), grey, desk)
         beside = []
         if igtl is not None:
-            from physgnn.serving.igtl import stream
-
             streaming = sockets.enter_context(listen(igtl))
             beside.append(lambda: stream(engine, streaming, surfaces=igtl_surfaces))
             log(f"OpenIGTLink: {HOST}:{streaming.getsockname()[1]}")

@@ -20,7 +20,11 @@ from physgnn.evaluation.benchmark.result import (
     Identity,
     read_results,
 )
-from physgnn.evaluation.benchmark.table import by_task, page
+from physgnn.evaluation.benchmark.table import (
+    _prose,
+    by_task,
+    page,
+)
 from physgnn.evaluation.benchmark.tasks import TASKS, named_tasks
 from physgnn.evaluation.measure.distribution import Distribution
 from physgnn.learning.models import MODELS
@@ -220,3 +224,11 @@ def test_memory_taken_and_given_back_is_seen() -> None:
         while memory.mb <= 50 and time.monotonic() < end:
             time.sleep(0.02)
     assert 50 < memory.mb < 1000
+
+
+def test_no_line_of_the_page_begins_with_a_plus_a_bullet() -> None:
+    for length in range(200):
+        text = f"- {'m' * length} POD + small network (1.08), Transolver (1.18)"
+        lines = _prose(text, "  ").splitlines()
+        assert not any(line.lstrip().startswith("+") for line in lines)
+        assert " ".join(line.strip() for line in lines) == text

@@ -104,9 +104,9 @@ def test_holes_and_islands_are_mended_and_said() -> None:
     data[tuple((labels.grid.to_index(CENTRE + BEHIND)).round().astype(int))] = 4
     found = extract_surfaces(LabelVolume(data, labels.affine), TABLE)
     assert len(found.notes) == 3
-    assert "brain: 1 islands dropped, 0.22 ml" in found.notes[0]
+    assert "brain: 1 island dropped, 0.22 ml" in found.notes[0]
     assert "brain: holes filled, 0.51 ml" in found.notes[1]
-    assert "tumour: 1 pieces" in found.notes[2] and len(found.tumours) == 1
+    assert "tumour: 1 piece" in found.notes[2] and len(found.tumours) == 1
     check_whole(found)
 
 
@@ -116,7 +116,7 @@ def test_a_piece_of_tumour_far_from_the_brain_is_dropped_with_its_island() -> No
     data[1:6, 1:6, 1:6] = 4  # 1 ml
     found = extract_surfaces(LabelVolume(data, labels.affine), TABLE)
     assert found.notes == (
-        "brain: 1 islands dropped, 1.00 ml",
+        "brain: 1 island dropped, 1.00 ml",
         "tumour: apart from the brain, so dropped with it, 1.00 ml",
     )
     assert len(found.tumours) == 1
@@ -148,6 +148,26 @@ def test_a_brain_that_touches_the_image_border_is_closed() -> None:
     found = extract_surfaces(half, label_table("brain=1"), target_points=2000)
     check_whole(found)
     assert abs(found.fits["brain"].volume_error) < 0.01
+    # half an ellipsoid: the section has the area of an ellipse
+    area = np.pi * AXES[1] * AXES[2] / 100.0
+    said = [note for note in found.notes if "at the image's border" in note]
+    assert len(said) == 1 and "last slice of axis 0" in said[0]
+    assert float(said[0].split()[1]) == pytest.approx(area, rel=0.05)
+    whole = labels.data
+    used = [
+        np.flatnonzero((whole == 1).any(axis=(*{0, 1, 2} - {i},))) for i in range(3)
+    ]
+    tight = whole[tuple(slice(u[0], u[-1] + 1) for u in used)]
+    notes = tissue_masks(LabelVolume(tight, labels.affine), TABLE).notes
+    assert not any("border" in note for note in notes)
+
+
+def test_a_tissue_of_specks_is_not_taken_for_brain() -> None:
+    labels = phantom(*ORIENTATIONS["ras"])
+    odd = np.indices(labels.data.shape).sum(axis=0) % 2 == 1
+    checks = np.where(odd & (labels.data == 1), 4, labels.data)
+    with pytest.raises(InputError, match=r"tumour must have pieces.*--smallest-mm3"):
+        tissue_masks(LabelVolume(checks, labels.affine), TABLE)
 
 
 def test_what_cannot_be_used_is_refused() -> None:

@@ -27,6 +27,8 @@ def test_two_percent_may_be_left_out() -> None:
         check_all_used({1: 970.0, 3: 30.0}, table)
     lines = check_all_used({1: 970.0, 3: 30.0}, table, ignore_labels=True)
     assert lines == ["not used: 3 (30 ml)"]
+    with pytest.raises(InputError, match=r"not used: -2, 3 .*give -2 a number above 0"):
+        check_all_used({-2: 30.0, 1: 970.0, 3: 1.0}, table)
     assert not_there({1: 970.0}, table) == ["asked for, not there: tumour=4"]
 
 

@@ -298,3 +298,24 @@ def test_a_result_has_the_plans_own_format() -> None:
     assert plan_named_like("moved.STL", "plan.stl") == Path("moved.STL")
     with pytest.raises(InputError, match=r"in its own format, \.stl \(got 'a\.ply'\)"):
         plan_named_like("a.ply", "plan.stl")
+
+
+def test_points_that_are_not_placed_stay_and_none_at_all_is_said(
+    tmp_path: Path,
+) -> None:
+    head = "# Markups fiducial file version = 5.6\n# CoordinateSystem = RAS\n"
+    rows = ["1,1,2,3,0,0,0,1,1,1,0,a,,,2,0\n", "2,0,0,0,0,0,0,1,1,1,0,b,,,0,0\n"]
+    path = tmp_path / "a.fcsv"
+    path.write_text(head + "".join(rows))
+    plan = read_plan(path)
+    np.testing.assert_array_equal(plan.points, [[1.0, 2.0, 3.0]])
+    assert plan.labels == ("a",)
+    written = plan.moved_to(plan.points + 1.0).as_bytes().decode()
+    assert written == head + rows[0].replace("1,2,3", "2.0,3.0,4.0") + rows[1]
+    for text in (head, head + rows[1]):
+        path.write_text(text)
+        with pytest.raises(InputError, match="holds no point that is placed"):
+            read_plan(path)
+    (tmp_path / "a.csv").write_text("x,y,z\n")
+    with pytest.raises(InputError, match="holds no point that is placed"):
+        read_plan(tmp_path / "a.csv")

@@ -43,3 +43,23 @@ def test_deformed_body_is_where_it_moves_to(block: TetMesh, tmp_path: Path) -> N
         read_displacement(tmp_path / "moved.vtu")
     with pytest.raises(InputError, match=r"\.vtu or \.vtp"):
         write_deformed(tmp_path / "moved.stl", block, u)
+
+
+def test_displacements_that_no_body_has(block: TetMesh, tmp_path: Path) -> None:
+    def written(u: np.ndarray, scale: float = 1.0) -> Path:
+        mesh = TetMesh(block.points * scale, block.cells, block.region)
+        write_prediction(tmp_path / "out.vtu", mesh, {"displacement_mm": u})
+        return tmp_path / "out.vtu"
+
+    u = np.full_like(block.points, 0.1)
+    holed = u.copy()
+    holed[5, 1] = np.nan
+    for field, scale, said in (
+        (holed, 1.0, r"1 of \d+ points have NaN or infinity, the first is 5"),
+        (1e4 * u, 1.0, r"out\.vtu: .*must be in mm \(a point moves by 1.73e\+03"),
+        (u, 1e-3, "looks like metres"),
+    ):
+        with pytest.raises(InputError, match=said):
+            read_displacement(written(field, scale))
+    with pytest.raises(InputError, match="make a displacement with 'physgnn predict'"):
+        read_displacement(tmp_path / "no.vtu")

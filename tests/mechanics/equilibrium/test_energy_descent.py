@@ -50,7 +50,7 @@ def test_arrives(block: TetMesh) -> None:
 
 
 @pytest.mark.parametrize("believed", [0, 1])
-def test_an_equilibrium_not_seen_to_be_stable_is_no_answer(
+def test_an_equilibrium_not_seen_to_be_stable_is_not_taken(
     block: TetMesh, believed: int
 ) -> None:
     """The factor that led there was fine; that of where it led is not."""

@@ -121,7 +121,7 @@ def test_a_solver_serves_many_paths(block, pulled):
     np.testing.assert_array_equal(again.displacement, solution.displacement)
 
 
-def test_rotating_mesh_and_load_rotates_the_answer(block, pulled):
+def test_rotating_mesh_and_load_rotates_the_displacement(block, pulled):
     path, solution = pulled
     Q = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     turned = TetMesh(block.points @ Q.T, block.cells, block.region, block.point_sets)

@@ -56,7 +56,7 @@ def guesses(states: np.ndarray) -> dict[str, np.ndarray | None]:
 
 
 @pytest.mark.parametrize("name", guesses(np.zeros((2, 1, 3))))
-def test_the_guess_does_not_show_in_the_answer(warm_start, solved, name):
+def test_the_guess_does_not_show_in_the_solution(warm_start, solved, name):
     case, states = solved
     found = warm_start.solve(case, guesses(states)[name], tolerance_mm=TOLERANCE_MM)
     assert found.status == Status.CONVERGED
@@ -77,7 +77,7 @@ def test_what_converges_is_within_the_tolerance_of_full_newton(
         assert error < tolerance_mm
 
 
-def test_known_states_do_not_change_the_answer(block, solved):
+def test_reference_states_do_not_change_the_solution(block, solved):
     case, states = solved
     body = Body(block, MATERIALS)
     known = ReferenceState.of(body, states[4])
@@ -97,7 +97,7 @@ def test_a_good_guess_costs_one_factorisation_and_one_to_prove_it(warm_start, so
     assert again.counts["factorisations"] == 1, "it proves itself"
 
 
-def test_a_load_without_equilibrium_is_no_good_answer(block, warm_start, solved):
+def test_a_load_without_equilibrium_has_no_good_status(block, warm_start, solved):
     case, states = solved
     crushing = LoadCase(case.nodes, -1e4 * case.forces)
     found = warm_start.solve(crushing, states[-1], tolerance_mm=TOLERANCE_MM)
@@ -179,13 +179,13 @@ def test_the_last_try_reaches_what_the_solver_reaches_and_nothing_but_equilibria
     assert snaps >= 3
 
 
-def test_the_rest_of_a_load_is_followed_from_the_share_a_guess_belongs_to(
+def test_the_rest_of_a_load_is_followed_from_the_fraction_a_guess_belongs_to(
     warm_start, solved
 ):
     case, states = solved
     begun, from_rest, far = (
-        warm_start.solve(case, guess, load_fraction=share, tolerance_mm=TOLERANCE_MM)
-        for guess, share in ((states[7], 0.8), (None, 0.0), (0.5 * states[7], 0.8))
+        warm_start.solve(case, guess, load_fraction=part, tolerance_mm=TOLERANCE_MM)
+        for guess, part in ((states[7], 0.8), (None, 0.0), (0.5 * states[7], 0.8))
     )
     for found in (begun, from_rest, far):
         assert found.origin == "path"

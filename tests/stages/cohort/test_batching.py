@@ -101,6 +101,7 @@ def test_a_failure_is_named_and_the_others_go_on(cohort: Path) -> None:
     assert "nothing gives its prediction: fill in warp.prediction" in reasons[5]
     assert "warp.interpolation alone asks for nothing" in reasons[6]
     assert said[0].startswith("Anna: failed: register: ")
+    assert said[3].startswith("Dan: failed: its line asks for nothing (case is filled")
     rows = read_results(cohort / "out")
     assert [row["name"] for row in rows] == [one.name for one in results]
     assert rows[0]["reason"] == reasons[0]

@@ -42,10 +42,20 @@ def test_cells_are_read_by_column_and_empty_ones_left_out(tmp_path: Path) -> Non
     assert bo.cells == {"register.points": "b.csv", "register.noise_mm": "0.5"}
 
 
-def test_semicolons_do_where_there_is_no_comma(tmp_path: Path) -> None:
-    text = "name;mesh.labels\nAnna;brain=1,tumour=2\n"
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_semicolons_and_tabs_do_where_there_is_no_comma(
+    mark: str, tmp_path: Path
+) -> None:
+    text = "name;mesh.labels\nAnna;brain=1,tumour=2\n".replace(";", mark)
     (anna,) = read_patients(table(tmp_path, text))
     assert anna.cells == {"mesh.labels": "brain=1,tumour=2"}
+
+
+def test_an_unknown_column_is_told_each_of_the_others_once() -> None:
+    with pytest.raises(InputError, match="unknown column") as raised:
+        find_column("colour", columns_of(steps()))
+    listed = str(raised.value).split("there are: ")[1].split(";")[0].split(", ")
+    assert len(set(listed)) == len(listed) and {"name", "case"} < set(listed)
 
 
 @pytest.mark.parametrize(

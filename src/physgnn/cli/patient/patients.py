@@ -82,8 +82,7 @@ def batch(
         results = stages.batch(patients, out, progress=move, log=say)
     width = max(len(result.name) for result in results)
     for result in results:
-        why = f": {result.step}: {result.reason}" if result.outcome != "ok" else ""
-        print(f"{result.name:{width}}  {result.outcome}{why}{_figures(result.figures)}")
+        print(f"{result.name:{width}}  {result.said}{_figures(result.figures)}")
     good = sum(result.outcome == "ok" for result in results)
     print(f"{out / 'results.csv'}: {good} of {len(results)} patients ok")
     if good < len(results):

@@ -26,7 +26,8 @@ def anatomies(
     """Draw synthetic patients: brains, tumours and craniotomies, as meshes."""
     with progress("meshing") as move:
         made = stages.anatomies(out, count=count, seed=seed, progress=move)
-    print(f"{out}: {len(made)} patients, {made[0].name} to {made[-1].name}")
+    plural = "" if len(made) == 1 else "s"
+    print(f"{out}: {len(made)} patient{plural}, {made[0].name} to {made[-1].name}")
 
 
 def simulate(

@@ -194,7 +194,9 @@ def _not_run(run: set[str]) -> Iterator[str]:
 
 
 def _prose(text: str, indent: str = "") -> str:
-    return textwrap.fill(
-        text, WIDTH, subsequent_indent=indent, break_on_hyphens=False,
-        break_long_words=False,
+    # A line that begins with + is a bullet: it stays with the word before it.
+    whole = textwrap.fill(
+        text.replace(" + ", "\N{NO-BREAK SPACE}+ "), WIDTH, subsequent_indent=indent,
+        break_on_hyphens=False, break_long_words=False,
     )  # fmt: skip
+    return whole.replace("\N{NO-BREAK SPACE}", " ")

@@ -84,10 +84,14 @@ def check_all_used(
     what = f"{_listed(unused)} ({left_out:.3g} ml)"
     if left_out > MOST_UNUSED * whole and not ignore_labels:
         first = next(iter(table.labels["brain"]))
+        below = [label for label in unused if label < 0]
+        named = f"name them, such as brain={first}+{unused[0]}"
+        if below:  # they cannot be named, which only numbers above 0 can
+            named = f"give {_listed(below)} a number above 0 and name it"
         raise InputError(
             f"every label must be named (not used: {what}, {left_out / whole:.0%} of "
-            f"the labelled volume): name them, such as brain={first}+{unused[0]}, or "
-            "pass --ignore-labels (ignore_labels=True) if they are not to be meshed"
+            f"the labelled volume): {named}, or pass --ignore-labels "
+            "(ignore_labels=True) if they are not to be meshed"
         )
     lines = [f"not used: {what}"] if unused else []
     if outside:

@@ -29,6 +29,11 @@ Mask = BoolArray
 SPECK = 0.05
 # More of a tissue than this fraction outside of the brain is no stray voxels.
 LARGEST_APART = 0.5
+# More than this of the brain in pieces of a tissue below the smallest are no noise.
+MOST_TOO_SMALL = 0.02
+# A brain that only touches the image's border has about one cap of a sphere there, a
+# brain stem less; one that is cut off has more.
+CAPS = 3.0
 MARGIN_MM = 10.0  # of background around the brain
 SMALLEST_MM3 = 200.0  # smaller pieces are mostly noise of the segmentation
 FACES = ndimage.generate_binary_structure(3, 1)
@@ -107,6 +112,7 @@ def tissue_masks(
     whole = np.logical_or.reduce(list(masks.values()))
     window, grid = _window(whole, labels.grid, MARGIN_MM + closing)
     notes: list[str] = []
+    _check_border(whole, labels.grid, notes)
     voxel = grid.voxel_volume_mm3
     cropped = _cropped(labels.data, window)
     brain = _closed(_cropped(whole, window), grid.voxel_mm, closing, voxel, notes)
@@ -120,6 +126,7 @@ def tissue_masks(
         if name in masks:
             mask = _cropped(masks[name], window) & brain
             pieces = _pieces(mask, name, smallest_mm3, voxel, notes)
+            _check_kept(mask, pieces, brain, name, voxel)
             parts[name] = tuple(
                 part
                 for piece in pieces
@@ -191,7 +198,8 @@ def _closed(
     kept = piece == largest + 1
     if n_pieces > 1:
         dropped = mask.sum() - kept.sum()
-        _note(notes, f"brain: {n_pieces - 1} islands dropped,", dropped, voxel)
+        islands = "1 island" if n_pieces == 2 else f"{n_pieces - 1} islands"
+        _note(notes, f"brain: {islands} dropped,", dropped, voxel)
     filled = ndimage.binary_fill_holes(kept)
     _note(notes, "brain: holes filled,", filled.sum() - kept.sum(), voxel)
     return np.asarray(filled, dtype=bool)
@@ -220,12 +228,46 @@ def _pieces(
     order = np.argsort(-sizes, kind="stable")
     large = [i for i in order if sizes[i] * voxel >= smallest]
     small = sizes.sum() - sizes[large].sum()
-    what = f"{name}: {len(sizes) - len(large)} pieces below {smallest:g} mm³ dropped,"
+    n_small = len(sizes) - len(large)
+    pieces = "1 piece" if n_small == 1 else f"{n_small} pieces"
+    what = f"{name}: {pieces} below {smallest:g} mm³ dropped,"
     _note(notes, what, small, voxel)
     kept = [np.asarray(ndimage.binary_fill_holes(piece == i + 1)) for i in large]
     holes = sum(int(k.sum()) for k in kept) - sizes[large].sum()
     _note(notes, f"{name}: holes filled,", holes, voxel)
     return tuple(kept)
+
+
+def _check_kept(
+    mask: Mask, pieces: tuple[Mask, ...], brain: Mask, name: str, voxel: float
+) -> None:
+    """Refuse to take for brain, as too small, a tissue that is much of the brain."""
+    size, lost = (
+        int(mask.sum()),
+        int(mask.sum() - sum((p & mask).sum() for p in pieces)),
+    )
+    if lost > MOST_TOO_SMALL * brain.sum():
+        raise InputError(
+            f"the {name} must have pieces worth meshing ({lost * voxel / 1000:.3g} of "
+            f"its {size * voxel / 1000:.3g} ml are in smaller ones): check the label "
+            "map, or give a smaller --smallest-mm3 (smallest_mm3=…)"
+        )
+
+
+def _check_border(whole: Mask, grid: ImageGrid, notes: list[str]) -> None:
+    """Note where the image ends within the brain, not at its surface."""
+    sizes = grid.voxel_mm
+    radius = float((3.0 * whole.sum() * sizes.prod() / (4.0 * np.pi)) ** (1 / 3))
+    for axis in range(3):
+        face = float(sizes.prod() / sizes[axis])
+        cap = 2.0 * np.pi * radius * sizes[axis]  # of a sphere that touches, mm²
+        for name, end in (("first", 0), ("last", -1)):
+            cut = float(whole.take(end, axis).sum()) * face
+            if cut > CAPS * cap:
+                notes.append(
+                    f"brain: {cut / 100:.0f} cm² of it at the image's border, {name} "
+                    f"slice of axis {axis}: check that it is not cut off there"
+                )
 
 
 def _folds(

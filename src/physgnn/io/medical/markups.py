@@ -176,23 +176,24 @@ def _read_fcsv(path: Path) -> list[list[MarkedPoint]]:
     )
     return [
         [
-            MarkedPoint(_cell(row, "label"), point, _fcsv_missing(row))
+            MarkedPoint(fcsv_cell(row, "label"), point, _fcsv_missing(row))
             for row, point in zip(rows, points, strict=True)
         ]
     ]
 
 
-def _cell(row: list[str], column: str) -> str:
+def fcsv_cell(row: list[str], column: str) -> str:
+    """Return what a row of a .fcsv has in a column; nothing if it ends before."""
     i = FCSV[column]
     return row[i].strip() if i < len(row) else ""
 
 
 def _fcsv_missing(row: list[str]) -> str:
-    if _cell(row, "positionStatus") not in ("", FCSV_DEFINED):
+    if fcsv_cell(row, "positionStatus") not in ("", FCSV_DEFINED):
         return "not placed"
-    if _cell(row, "sel") == "0":
+    if fcsv_cell(row, "sel") == "0":
         return "not selected"
-    return "hidden" if _cell(row, "vis") == "0" else ""
+    return "hidden" if fcsv_cell(row, "vis") == "0" else ""
 
 
 def _read_mrk_json(path: Path) -> list[list[MarkedPoint]]:
@@ -235,7 +236,11 @@ POINT_READERS: Mapping[str, Callable[[Path], list[list[MarkedPoint]]]] = {
     ".mrk.json": _read_mrk_json,
 }
 BOTH_ENDS = {
-    ".csv": ("it has three columns, not six", "has six columns"),
+    ".csv": (
+        "it has three columns, not six, which without a header are three and three, "
+        f"or else {', '.join(PAIR_COLUMNS)}",
+        "has six columns",
+    ),
     ".tag": ("it has one volume, not two", "has two volumes"),
 }
 """What is said of one list and of two, of formats that hold both ends side by side."""

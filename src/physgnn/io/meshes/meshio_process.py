@@ -18,9 +18,9 @@ VTK_TYPES = {
 }  # fmt: skip
 # By name, since meshio.read tries others, and exits where all fail.
 READERS = {
+    ".msh": meshio.gmsh.read,
     ".inp": meshio.abaqus.read,
     ".mesh": meshio.medit.read,
-    ".msh": meshio.gmsh.read,
     ".off": meshio.off.read,
 }
 SETS = "element set"

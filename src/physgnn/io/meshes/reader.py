@@ -17,7 +17,7 @@ from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.vtu import SET_PREFIX
 
-BY_MESHIO = (".msh", ".inp", ".mesh", ".off")
+BY_MESHIO = tuple(meshio_process.READERS)
 BY_VTK = (".vtk", ".vtu")
 HEAD_BYTES = 4096
 TRIANGLE, QUAD, POLYGON, STRIP = 5, 9, 7, 6

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
+from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_points
 
 NO_LINKS = np.empty((0, 2), np.int64)
@@ -45,6 +46,8 @@ class Plan:
     links: IntArray = field(default_factory=NO_LINKS.copy)
 
     def __post_init__(self) -> None:
+        if len(self.points) == 0:
+            raise InputError(f"holds no {self.what} that is placed: export it again")
         object.__setattr__(self, "points", checked_points(self.points, "points"))
 
     def name(self, i: int) -> str:

@@ -12,7 +12,13 @@ import numpy as np
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.imaging.transforms import points_to_ras
-from physgnn.io.medical.markups import FCSV, FCSV_SYSTEMS, POINT_COLUMNS, is_number
+from physgnn.io.medical.markups import (
+    FCSV_DEFINED,
+    FCSV_SYSTEMS,
+    POINT_COLUMNS,
+    fcsv_cell,
+    is_number,
+)
 from physgnn.io.medical.tag import COMMENT, POINTS, read_tag
 from physgnn.io.plans.plan import NO_LINKS, Plan, shown
 from physgnn.io.untrusted.text import read_json, read_text
@@ -106,7 +112,10 @@ def _forget_measured(markup: dict[str, Any]) -> None:
 
 
 def read_fcsv(path: Path) -> Plan:
-    """Read a list of points as 3D Slicer wrote it before version 5."""
+    """Read a list of points as 3D Slicer wrote it before version 5.
+
+    Points that are not placed stay so.
+    """
     lines = read_text(path, names_in_latin1=True).splitlines(keepends=True)
     found = re.search(r"^# CoordinateSystem = (\w+)\s*$", "".join(lines), re.MULTILINE)
     if found is None or found[1] not in FCSV_SYSTEMS:
@@ -121,11 +130,11 @@ def read_fcsv(path: Path) -> Plan:
             continue
         if row is None:
             raise InputError(f"line {i + 1} must hold a name and three numbers")
+        cells = next(csv.reader([line.rstrip()]))
+        if fcsv_cell(cells, "positionStatus") not in ("", FCSV_DEFINED):
+            continue
         points.append(_numbers(row.groups()[1:4], f"in line {i + 1}"))
-        cells = next(csv.reader([line]))
-        labels.append(
-            cells[FCSV["label"]].strip() if len(cells) > FCSV["label"] else ""
-        )
+        labels.append(fcsv_cell(cells, "label"))
         rows.append((i, row))
 
     def rewritten(moved: FloatArray) -> bytes:

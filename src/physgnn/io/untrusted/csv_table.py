@@ -15,7 +15,7 @@ def csv_rows(text: str) -> dict[int, list[str]]:
     Parameters
     ----------
     text : str
-        CSV: commas, or semicolons where the header has no comma.
+        CSV: commas, or semicolons or tabs where the header has no comma.
 
     Returns
     -------
@@ -23,7 +23,7 @@ def csv_rows(text: str) -> dict[int, list[str]]:
         Line, from 1, to its cells; the first is the header.
     """
     header = next((line for line in text.splitlines() if line.strip()), "")
-    delimiter = ";" if ";" in header and "," not in header else ","
+    delimiter = next((mark for mark in ",;\t" if mark in header), ",")
     reader = csv.reader(text.splitlines(keepends=True), delimiter=delimiter)
     found = {}
     for row in reader:

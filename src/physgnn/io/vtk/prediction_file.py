@@ -12,6 +12,7 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_indices, checked_points
 from physgnn.geometry.boundary import boundary_faces, region_faces
+from physgnn.geometry.plausibility import check_millimetres
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.numbers import real_numbers, whole_numbers
@@ -31,6 +32,7 @@ from physgnn.progress import Log, no_log
 DISPLACEMENT = "displacement_mm"
 STATE, DEFORMED = "state", "deformed"
 STATUS, REASONS = "status", "reasons"  # field data: what a displacement is called, why
+MOST_SIZES = 3.0  # of a body that a point of it moves by: more is another unit
 USABLE = ("ok", "repaired", "solved")
 """Statuses that do not speak against a displacement: see
 `physgnn.prediction.PredictionStatus.usable`."""
@@ -51,9 +53,17 @@ def read_displacement(
     Raises
     ------
     InputError
-        If it is no mesh or has no point array ``displacement_mm``.
+        If it is no mesh, cannot be in mm, or has no point array ``displacement_mm``
+        that its points can move by.
     """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(
+            f"{path}: no such file; make a displacement with 'physgnn predict' or "
+            "'physgnn register'"
+        )
     mesh = read_mesh(path)
+    check_millimetres(mesh.points, str(path))
     grid = read_vtk(Path(path))
     if STATE in grid.field_data:
         raise InputError(
@@ -72,7 +82,26 @@ def read_displacement(
     if not stored.usable:
         log(f"warning: {path} holds a displacement that is not ok: {stored}")
     with reading(path, "a displacement"):
-        return mesh, real_numbers(arrays[DISPLACEMENT], DISPLACEMENT)
+        u = real_numbers(arrays[DISPLACEMENT], DISPLACEMENT)
+        _check_possible(u, mesh)
+        return mesh, u
+
+
+def _check_possible(u: FloatArray, mesh: TetMesh) -> None:
+    """Raise InputError if no body moves so."""
+    wrong = np.flatnonzero(~np.isfinite(u).all(axis=1))
+    if len(wrong):
+        raise InputError(
+            f"'{DISPLACEMENT}' must be finite ({len(wrong)} of {len(u)} points have "
+            f"NaN or infinity, the first is {wrong[0]}): make it again"
+        )
+    largest = float(np.linalg.norm(u, axis=1).max())
+    size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    if largest > MOST_SIZES * size:
+        raise InputError(
+            f"'{DISPLACEMENT}' must be in mm (a point moves by {largest:.3g} mm, and "
+            f"the body has {size:.3g} mm): make it again"
+        )
 
 
 @dataclass(frozen=True)

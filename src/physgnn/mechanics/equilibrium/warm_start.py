@@ -133,7 +133,8 @@ class WarmStartSolver:
         guess : (n_points, 3) array, optional
             mm; cells may be inverted in it. Without it the load is followed from rest.
         load_fraction : float
-            The fraction of the load that the guess belongs to, in (0, 1].
+            The fraction of the load that the guess belongs to, in (0, 1]; of no
+            account without a guess.
         tolerance_mm : float
             Bound on the estimated error of the worst point.
 
@@ -146,7 +147,7 @@ class WarmStartSolver:
         reference = self._nearest(
             load_fraction * case.on_points(self._body.mesh.n_points)
         ).displacement
-        origin, found = "guess" if load_fraction == 1.0 else "path", None
+        origin, found = "guess", None
         if guess is not None and np.isfinite(guess).all():
             safe, start = (
                 self._pattern.unknowns(reference),
@@ -155,6 +156,7 @@ class WarmStartSolver:
             start = _without_inverted_cells(iteration, safe, start)
             found = _next_to(iteration, start, safe, load_fraction)
             if found is not None and load_fraction < 1.0:
+                origin = "path"
                 found = _follow(iteration, found.state, load_fraction, MIN_STEP)
         if found is None or found.status != Status.CONVERGED:
             origin, found = "path", _follow_from_rest(iteration)

@@ -61,7 +61,7 @@ def batch(
         found = run_patient(patient, table.parent, folder / patient.name, doing)
         results.append(found)
         if found.outcome != "ok":
-            log(f"{found.name}: {found.outcome}: {found.step}: {found.reason}")
+            log(f"{found.name}: {found.said}")
         write_whole(folder / RESULTS, results_text(results))
     return tuple(results)
 

@@ -124,7 +124,7 @@ def find_column(name: str, columns: Mapping[str, OptionColumn]) -> OptionColumn:
     of = sorted({c.name for c in columns.values() if c.argument == plain})
     if of:
         raise InputError(f"column '{name}' may be {' or '.join(of)}: name it in full")
-    known = ", ".join(sorted(n for n in columns if "." not in n))
+    known = ", ".join(sorted({n for n in columns if "." not in n} - {NAME, CASE}))
     raise InputError(
         f"unknown column '{name}' (there are: {NAME}, {CASE}, {known}; and each in "
         "full, as register.noise_mm)"

@@ -36,7 +36,7 @@ def read_patients(path: str | Path) -> list[Patient]:
     Parameters
     ----------
     path : path
-        CSV with a header; commas, or semicolons where the header has no comma.
+        CSV with a header; commas, or semicolons or tabs where it has no comma.
 
     Raises
     ------

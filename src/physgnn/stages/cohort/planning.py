@@ -91,7 +91,11 @@ def plan(patient: Patient, tables: Path, folder: Path) -> list[Call]:
             there[step.makes] = call.out
     if not calls:
         asked = ", ".join(f"{s.command}.{s.starts[0]}" for s in steps())
-        raise StepError("", f"its line asks for nothing: fill in such as {asked}")
+        has = ", ".join(patient.cells) or "no cell"
+        raise StepError(
+            "",
+            f"its line asks for nothing ({has} is filled in): fill in such as {asked}",
+        )
     return calls
 
 

@@ -47,6 +47,12 @@ class PatientResult:
     seconds: float = 0.0
     figures: Figures = field(default_factory=dict)
 
+    @property
+    def said(self) -> str:
+        """Outcome, step and reason in one line, as far as there are any."""
+        parts = (self.outcome, self.step, self.reason)
+        return ": ".join(part for part in parts if part)
+
 
 def run_patient(
     patient: Patient, tables: Path, folder: Path, doing: Callable[[str], None]

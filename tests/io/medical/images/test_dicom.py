@@ -92,3 +92,52 @@ def test_folders_without_dicom(tmp_path: Path) -> None:
         read_image(tmp_path)
     with pytest.raises(InputError, match="no such file"):
         read_image(tmp_path / "absent")
+
+
+def without(file: Path, group: int, element: int) -> None:
+    """Remove an element from a file of implicit value representations."""
+    content = file.read_bytes()
+    start = content.index(
+        group.to_bytes(2, "little") + element.to_bytes(2, "little"), 300
+    )
+    n = int.from_bytes(content[start + 4 : start + 8], "little")
+    file.write_bytes(content[:start] + content[start + 8 + n :])
+
+
+def test_a_damaged_slice_at_an_end_is_named(tmp_path: Path) -> None:
+    files = write_series(tmp_path / "scan", IMAGE)
+    whole = files[-1].read_bytes()
+    for content in (whole[:500], whole[:100], b""):
+        files[-1].write_bytes(content)
+        with pytest.raises(InputError, match=r"readable \(IM006\.dcm.*whole series"):
+            read_image(tmp_path / "scan")
+    files[-1].write_bytes(whole)
+    (tmp_path / "scan/notes.txt").write_text("of the ward")
+    lines: list[str] = []
+    same(read_image(tmp_path / "scan", log=lines.append))
+    assert "left out, no DICOM images: notes.txt" in lines[0]
+
+
+def test_the_size_of_pixels_is_said_and_one(tmp_path: Path) -> None:
+    files = write_series(tmp_path / "scan", IMAGE)
+    content = files[2].read_bytes()
+    assert content.count(b".9\\.9 ") == 1
+    files[2].write_bytes(content.replace(b".9\\.9 ", b".8\\.8 "))
+    with pytest.raises(InputError, match=r"one size of pixels .*IM002\.dcm has 0\.8"):
+        read_image(tmp_path / "scan")
+    without(files[2], 0x28, 0x30)
+    with pytest.raises(InputError, match=r"IM002\.dcm must say its pixel spacing"):
+        read_image(tmp_path / "scan")
+
+
+def test_numbers_of_slices_that_begin_late_or_have_gaps_are_warned_of(
+    tmp_path: Path,
+) -> None:
+    files = write_series(tmp_path / "scan", IMAGE)
+    for step, numbers in ((2, "1 to 7"), (4, "1 to 5")):
+        for file in files:
+            if file.exists() and (files.index(file)) % step:
+                file.unlink()
+        lines: list[str] = []
+        read_image(tmp_path / "scan", log=lines.append)
+        assert f"numbered {numbers}" in lines[-1]

@@ -117,6 +117,9 @@ def test_colours_and_series_are_refused(suffix: str, tmp_path: Path) -> None:
     sitk.WriteImage(several, str(path))
     with pytest.raises(InputError, match="series of 9 volumes"):
         read_image(path)
+    sitk.WriteImage(sitk.GetImageFromArray(np.ones((4, 5), np.int16)), str(path))
+    with pytest.raises(InputError, match=r"three axes .*\(5, 4\).*not a slice"):
+        read_image(path)
 
 
 @pytest.mark.parametrize("suffix", [".nrrd", ".mha"])

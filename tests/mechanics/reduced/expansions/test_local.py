@@ -64,7 +64,7 @@ def test_a_patch_of_all_points_is_the_whole_problem(mesh: TetMesh, node: int) ->
     np.testing.assert_allclose(answer.displacement, truth, atol=2e-4)
 
 
-def test_it_is_nearer_than_the_linear_answer(mesh: TetMesh, node: int) -> None:
+def test_it_is_nearer_than_the_linear_solution(mesh: TetMesh, node: int) -> None:
     truth = solved(mesh, node)
     linear = RestState(Body(mesh, MATERIALS)).solve(push(mesh, node))
     answer = expansion(mesh, around(mesh, node, 5.1))(push(mesh, node))
@@ -73,7 +73,7 @@ def test_it_is_nearer_than_the_linear_answer(mesh: TetMesh, node: int) -> None:
     assert error < 0.5 * np.abs(linear - truth).max()
 
 
-def test_small_loads_get_the_linear_answer_at_second_order(
+def test_small_loads_get_the_linear_solution_at_second_order(
     mesh: TetMesh, node: int
 ) -> None:
     local, rest = (
@@ -111,13 +111,15 @@ def test_the_patch_is_in_equilibrium_and_fixed_points_still(
     assert not u[mesh.point_set("fixed")].any()
 
 
-def test_an_equilibrium_answers_its_own_load(mesh: TetMesh, node: int) -> None:
+def test_an_equilibrium_is_the_solution_of_its_own_load(
+    mesh: TetMesh, node: int
+) -> None:
     truth = solved(mesh, node)
     answer = expansion(mesh, around(mesh, node, 2.6), truth)(push(mesh, node))
     np.testing.assert_allclose(answer.displacement, truth, atol=1e-5)
 
 
-def test_expanding_about_an_answer_again_is_newtons_step(
+def test_expanding_about_a_solution_again_is_newtons_step(
     mesh: TetMesh, node: int
 ) -> None:
     truth, points = solved(mesh, node), around(mesh, node, 5.1)

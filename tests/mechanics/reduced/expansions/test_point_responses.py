@@ -29,7 +29,7 @@ def random_force(mesh: TetMesh, nodes: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("where", ["known", "other", "both", "fixed", "none"])
 @pytest.mark.parametrize("memory", [point_responses.MAX_BYTES, 0])
-def test_any_load_has_its_linear_answer(
+def test_any_load_has_its_linear_solution(
     block: TetMesh, where: str, memory: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(point_responses, "MAX_BYTES", memory)

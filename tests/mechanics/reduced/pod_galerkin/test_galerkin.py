@@ -124,7 +124,7 @@ def test_few_cells_with_weights_do_the_work_of_all(tolerance: float) -> None:
     assert missing <= tolerance * np.linalg.norm(total) * (1 + 1e-5)
 
 
-def test_hyper_reduction_keeps_the_answer(block: TetMesh, states: FloatArray) -> None:
+def test_hyper_reduction_keeps_the_solution(block: TetMesh, states: FloatArray) -> None:
     elements, modes = make_elements(block, MATERIALS), orthonormal(states)
     works = [cell_works(elements, u, modes.astype(np.float32)) for u in states]
     weights = weigh_cells(np.concatenate(works), 1e-4)

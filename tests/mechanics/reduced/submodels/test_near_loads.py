@@ -34,7 +34,7 @@ def test_the_cells_under_the_force_follow_from_those_beside_them(
     ("n_nodes", "reach", "element"),
     [(1, 0, "tet4"), (FEW + 1, 2, "tet4"), (1, 2, "tet4-averaged")],
 )
-def test_other_answers_are_left_alone(
+def test_other_displacements_are_left_alone(
     block: TetMesh, n_nodes: int, reach: int, element: str
 ) -> None:
     near = NearLoads(Body(block, MATERIALS, element=element), reach)

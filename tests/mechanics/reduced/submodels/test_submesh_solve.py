@@ -50,7 +50,7 @@ def test_no_force_and_neighbours_at_rest_give_rest(
     np.testing.assert_allclose(solved, 0.0, atol=1e-9)
 
 
-def test_neighbours_turned_inside_out_have_no_answer(
+def test_neighbours_turned_inside_out_have_no_solution(
     block: TetMesh, solved: Solved
 ) -> None:
     body, case, truth = solved

@@ -140,3 +140,18 @@ def test_on_the_command_line_a_landmark_inside_is_one_line(
     said = capsys.readouterr().err
     assert "landmarks in the tumour that was removed" in " ".join(said.split())
     assert not (case / "no.vtu").exists()
+
+
+def test_a_plan_of_removed_tissue_alone_has_no_place(
+    case: Path, shift: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("physgnn.imaging.field.SHORTEST_FADE_MM", 1.0)
+    monkeypatch.setattr("physgnn.imaging.field.FADE_PER_DISPLACEMENT", 1.0)
+    for text, said in (
+        ("30,30,40\n", r"core\.csv: .*1 point, all in tissue that was removed"),
+        ("30,30,40\n500,0,0\n", r"core\.csv: mesh and points do not meet"),
+    ):
+        (case / "core.csv").write_text(text)
+        with pytest.raises(InputError, match=said):
+            pg.warp(case / "core.csv", shift, case / "moved.csv")
+    assert not (case / "moved.csv").exists()

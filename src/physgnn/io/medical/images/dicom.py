@@ -16,6 +16,8 @@ from physgnn.io.medical.images.voxels import ReadOptions, Voxels
 
 # Positions are decimals of at most 16 characters; scanners round to 1e-3 mm or worse.
 UNEVEN, TILT_MM, TURN = 0.02, 0.05, 1e-4
+HEAD_BYTES = 1 << 16  # of a file, within which its series is named
+SHOWN = 5  # names of files in a message
 SHOWN_UID = "a path FOLDER/UID, or where a command has it by --series UID (series=…)"
 
 Series = dict[str, Any]
@@ -35,7 +37,7 @@ def read_dicom(path: Path, options: ReadOptions) -> Voxels:
     ------
     InputError
         If there is no series, or more than one and none is named, or its slices are
-        missing, tilted, doubled or no images of grey values.
+        missing, unreadable, tilted, doubled or no images of grey values.
     """
     folder = path if path.is_dir() else path.parent
     found = series_of(folder)
@@ -45,17 +47,67 @@ def read_dicom(path: Path, options: ReadOptions) -> Voxels:
         raise InputError(f"expected a folder of DICOM files (it holds none{more})")
     series = _chosen(path, found, options.series)
     slices = series["slices"]
+    _check_all_read(folder, found, slices, options)
     _check_kind(slices)
     if len(slices) > 1 or int(slices[0]["frames"] or 1) == 1:
         slices = _in_order(slices)
-    n_all = slices[0]["of"]
-    if n_all.isdecimal() and int(n_all) > len(slices):
-        options.log(
-            f"warning: {path}: {len(slices)} slices, where the scanner made {n_all}: "
-            "check that none is missing at an end"
-        )
     options.log(f"{path}: DICOM series {_described(series)}")
+    for line in _doubts(slices):
+        options.log(f"warning: {path}: {line}: check that none is missing at an end")
     return read_slices(folder, [str(one["name"]) for one in slices], options)
+
+
+def has_mark(path: Path) -> bool:
+    """Whether a file has DICOM's mark behind its preamble of 128 bytes."""
+    with path.open("rb") as file:
+        return file.read(132)[128:] == b"DICM"
+
+
+def _doubts(slices: list[dict[str, str]]) -> list[str]:
+    """Return what the scanner's numbers say against a series being whole."""
+    n, n_all = len(slices), slices[0]["of"]
+    lines = []
+    if n_all.isdecimal() and int(n_all) > n:
+        lines.append(f"{n} slices, where the scanner made {n_all}")
+    numbers = [int(one["number"]) for one in slices if one["number"].isdecimal()]
+    if len(set(numbers)) == n > 1:
+        first, last = min(numbers), max(numbers)
+        if first > 1 or last - first >= n:
+            lines.append(f"{n} slices, which the scanner numbered {first} to {last}")
+    return lines
+
+
+def _check_all_read(
+    folder: Path,
+    found: list[Series],
+    slices: list[dict[str, str]],
+    options: ReadOptions,
+) -> None:
+    """Refuse a file of the series that ITK passed over; log what else it did."""
+    known = {one["name"] for series in found for one in series["slices"]}
+    suffixes = {Path(one["name"]).suffix.lower() for one in slices} - {""}
+    uid = slices[0]["series"].encode()
+    damaged: list[str] = []
+    others: list[str] = []
+    for path in sorted(folder.iterdir()):
+        if path.name in known or path.name.startswith(".") or not path.is_file():
+            continue
+        with path.open("rb") as file:
+            of_series = bool(uid) and uid in file.read(HEAD_BYTES)
+        mine = of_series or path.suffix.lower() in suffixes
+        (damaged if mine else others).append(path.name)
+    if damaged:
+        raise InputError(
+            f"every slice must be readable ({_shortened(damaged)} cannot be read: cut "
+            "off, damaged or no image): copy the whole series, and nothing else"
+        )
+    if others:
+        options.log(f"{folder}: left out, no DICOM images: {_shortened(others)}")
+
+
+def _shortened(names: list[str]) -> str:
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return ", ".join(names[:SHOWN]) + more
 
 
 def _chosen(path: Path, found: list[Series], uid: str | None) -> Series:
@@ -109,6 +161,14 @@ def _in_order(slices: list[dict[str, str]]) -> list[dict[str, str]]:
         raise InputError("a series needs two slices or more (this has 1)")
     turns = np.array([_numbers(one, "orientation", 6) for one in slices])
     places = np.array([_numbers(one, "position", 3) for one in slices])
+    steps = np.array([_numbers(one, "pixel spacing", 2) for one in slices])
+    if np.abs(steps - steps[0]).max() > TURN:
+        i = int(np.abs(steps - steps[0]).max(axis=1).argmax())
+        raise InputError(
+            f"all slices must have one size of pixels ({slices[i]['name']} has "
+            f"{steps[i, 0]:g} by {steps[i, 1]:g} mm, {slices[0]['name']} "
+            f"{steps[0, 0]:g} by {steps[0, 1]:g} mm): give the slices of one volume"
+        )
     if np.abs(turns - turns[0]).max() > TURN:
         raise InputError(
             "all slices must have one orientation (these have several, as a localiser "
@@ -154,7 +214,7 @@ def _numbers(one: dict[str, str], tag: str, n: int) -> list[float]:
     numbers = [float(word) for word in one[tag].split("\\") if word.strip()]
     if len(numbers) != n or not np.isfinite(numbers).all():
         raise InputError(
-            f"{one['name']} must say its {tag} (it has none, as a picture or report): "
-            "give the slices alone"
+            f"{one['name']} must say its {tag} (it has none, as a picture or "
+            "report): give the slices alone"
         )
     return numbers

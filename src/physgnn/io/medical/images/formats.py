@@ -12,7 +12,7 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
-from physgnn.io.medical.images.dicom import read_dicom
+from physgnn.io.medical.images.dicom import has_mark, read_dicom
 from physgnn.io.medical.images.itk import read_by_itk
 from physgnn.io.medical.images.metaimage import read_metaimage, write_metaimage
 from physgnn.io.medical.images.mgh import read_mgh, write_mgh
@@ -229,7 +229,7 @@ def format_of(path: Path) -> ImageFormat:
         raise InputError(f"{path}: no such file")
     if suffix:
         return IMAGE_FORMATS[suffix]
-    if _is_dicom(path):  # their names often have no suffix
+    if has_mark(path):  # their names often have no suffix
         return _DICOM
     raise InputError(
         f"{path}: expected an image, {', '.join(IMAGE_FORMATS)} or a folder of DICOM "
@@ -239,12 +239,6 @@ def format_of(path: Path) -> ImageFormat:
 
 def _is_uid(name: str) -> bool:
     return set(name) <= set("0123456789.") and name.count(".") > 1
-
-
-def _is_dicom(path: Path) -> bool:
-    """Whether a file has DICOM's mark behind its preamble of 128 bytes."""
-    with path.open("rb") as file:
-        return file.read(132)[128:] == b"DICM"
 
 
 def read_voxels(path: Path, options: ReadOptions) -> Voxels:

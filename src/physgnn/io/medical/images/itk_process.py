@@ -15,7 +15,8 @@ import SimpleITK as sitk
 TAGS = {
     "modality": "0008|0060", "description": "0008|103e", "position": "0020|0032",
     "orientation": "0020|0037", "of": "0020|1002", "colours": "0028|0002",
-    "series": "0020|000e", "frames": "0028|0008",
+    "series": "0020|000e", "frames": "0028|0008", "pixel spacing": "0028|0030",
+    "number": "0020|0013",
 }  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from physgnn.geometry.image import Image
 from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.medical.images.nifti_header import parsed_nifti
 from physgnn.io.medical.images.nifti_place import place_of
-from physgnn.io.medical.images.voxels import ReadOptions, Voxels
+from physgnn.io.medical.images.voxels import ReadOptions, Voxels, three_axes
 from physgnn.io.untrusted.compressed import read_unpacked
 
 SUFFIXES = (".nii", ".nii.gz")
@@ -20,8 +20,8 @@ DESCRIPTION_BYTES = 80  # NIfTI-1's field descrip
 def read_nifti(path: Path, options: ReadOptions) -> Voxels:
     """Read a NIfTI image, packed or not."""
     image = parsed_nifti(path, read_unpacked(path))
-    place = place_of(path, image, options.affine, options.log)
-    return Voxels(np.asanyarray(image.dataobj), place)
+    data = three_axes(np.asanyarray(image.dataobj))
+    return Voxels(data, place_of(path, image, options.affine, options.log))
 
 
 def write_nifti(path: Path, image: Image, note: str) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.plausibility import check_millimetres
+from physgnn.io.medical.images.voxels import affine_in_mm
 from physgnn.progress import Log
 
 FORMS = ("sform", "qform")
@@ -113,10 +113,5 @@ def _in_mm(
         raise InputError(
             f"the unit of length in its header, {code}, is none of NIfTI's"
         )
-    unit, mm = UNITS_MM[code]
-    affine[:3] *= mm
-    far = affine[:3, :3] * (np.array(image.shape[:3]) - 1)
-    check_millimetres(np.stack([np.zeros(3), np.linalg.norm(far, axis=0)]), str(path))
-    if mm != 1.0:
-        log(f"{path}: its header is in {unit}: converted to mm")
-    return affine
+    unit, _ = UNITS_MM[code]
+    return affine_in_mm(path, affine, image.shape, unit=unit, log=log)

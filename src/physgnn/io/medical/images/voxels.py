@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
+from physgnn.geometry.image import voxel_sizes
 from physgnn.geometry.plausibility import check_millimetres
 from physgnn.io.untrusted.limits import check_size
 from physgnn.progress import Log, no_log
@@ -19,7 +20,8 @@ UNITS_MM: Mapping[str, float] = {
     **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetre"), 1.0),
     **dict.fromkeys(("cm", "centimeter", "centimeters"), 10.0),
     **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1000.0),
-    **dict.fromkeys(("um", "µm", "micron", "microns", "micrometer"), 0.001),
+    **dict.fromkeys(("um", "µm", "micron", "microns"), 0.001),
+    **dict.fromkeys(("micrometer", "micrometers", "micrometre", "micrometres"), 0.001),
 }  # fmt: skip
 """What headers call units of length, and how many mm one is."""
 AXES = 3
@@ -131,12 +133,20 @@ def three_axes(data: NDArray[np.generic]) -> NDArray[np.generic]:
         data = data[..., 0]
     if data.ndim == AXES:
         return data
+    _check_volume(data.shape)
     several = " by ".join(str(n) for n in data.shape[AXES:] if n > 1)
-    looks = f": a series of {several} volumes" if data.ndim > AXES else ""
     raise InputError(
-        f"an image needs three axes (this has {data.ndim}, {data.shape}{looks}): give "
-        "one volume of it"
+        f"an image needs three axes (this has {data.ndim}, {data.shape}: a series of "
+        f"{several} volumes): give one volume of it"
     )
+
+
+def _check_volume(shape: Sequence[int]) -> None:
+    if len(shape) < AXES:
+        raise InputError(
+            f"an image needs three axes (this has {len(shape)}, {tuple(shape)}): give "
+            "the volume, not a slice"
+        )
 
 
 def finite_native(data: NDArray[np.generic]) -> NDArray[np.generic]:
@@ -180,17 +190,21 @@ def affine_in_mm(
     Raises
     ------
     InputError
-        If the unit is unknown or the image is of no size in mm.
+        If there are fewer than three axes, the unit is unknown, or the image has no
+        size or place in mm.
     """
+    _check_volume(shape)
     mm = UNITS_MM.get(unit.strip().lower(), 1.0 if not unit.strip() else 0.0)
     if mm == 0.0:
         raise InputError(
             f"lengths must be in mm (its header says '{unit}'): export it in mm"
         )
     placed = np.array(affine, dtype=np.float64)
+    voxel_sizes(placed)
     placed[:3] *= mm
     far = placed[:3, :3] * (np.array(shape[:3]) - 1)
-    check_millimetres(np.stack([np.zeros(3), np.linalg.norm(far, axis=0)]), str(path))
+    box = np.stack([np.zeros(3), np.linalg.norm(far, axis=0)])
+    check_millimetres(placed[:3, 3] + box, str(path))
     if mm != 1.0:
         log(f"{path}: its header is in {unit.strip()}: converted to mm")
     return placed

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
+from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging.no_tissue import points_within
 from physgnn.imaging.point_displacement import PointDisplacement, displacement_at
@@ -57,12 +58,23 @@ def warp_plan(
         mesh, u = reverse(mesh, u)
     # the middles of links are carried along to see how far tissue bends there
     middles = plan.points[plan.links].mean(axis=1)
-    found = displacement_at(mesh, u, np.concatenate([plan.points, middles]))
+    removed = read_removed(prediction)
+    try:
+        found = displacement_at(mesh, u, np.concatenate([plan.points, middles]))
+    except InputError as error:
+        gone = removed is not None and not back and points_within(removed, plan.points)
+        if np.all(gone):
+            raise InputError(
+                f"{path}: a plan must have a place in the brain now (this is "
+                f"{_points(len(plan.points))}, all in tissue that was removed): give "
+                "another plan"
+            ) from error
+        raise InputError(f"{path}: {error}") from error
     n = len(plan.points)
     moved = plan.moved_to(plan.points + found.vectors[:n])
     lines = [_moved(found.vectors[:n]), *_outside(plan, found)]
     at_rest = moved.points if back else plan.points
-    lines += _gone(plan, at_rest, found, read_removed(prediction))
+    lines += _gone(plan, at_rest, found, removed)
     if plan.labels and n <= MOST_NAMES and not back:
         lines += _trust(prediction, plan)
     if len(middles):
@@ -77,7 +89,7 @@ def warp_plan(
 def _moved(vectors: FloatArray) -> str:
     lengths = np.linalg.norm(vectors, axis=1)
     return (
-        f"{len(vectors)} points moved by {lengths.mean():.2f} mm on average, "
+        f"{_points(len(vectors))} moved by {lengths.mean():.2f} mm on average, "
         f"{lengths.max():.2f} mm at most"
     )
 
@@ -113,6 +125,10 @@ def _gone(
         "warning: in tissue that was removed, with no place in the brain now: "
         f"{_named(plan, away, which)}"
     ]
+
+
+def _points(n: int) -> str:
+    return "1 point" if n == 1 else f"{n} points"
 
 
 def _named(plan: Plan, away: FloatArray, which: IntArray) -> str:

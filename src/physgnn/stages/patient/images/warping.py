@@ -31,6 +31,7 @@ from physgnn.io.plans.plan import Plan
 from physgnn.io.surfaces.formats import SURFACE_READERS
 from physgnn.io.vtk.prediction_file import read_displacement, read_removed
 from physgnn.progress import Log, no_log
+from physgnn.segmentation.scan_checks import is_label_map
 from physgnn.stages.outputs import Output, writes
 from physgnn.stages.patient.images.plans import warp_plan
 
@@ -79,7 +80,8 @@ def warp(
     labels : bool
         The image is a label map.
     interpolation : str, optional
-        See `physgnn.imaging.image_warping`.
+        See `physgnn.imaging.image_warping`. By default linear, but the nearest voxel of
+        what looks like a label map, which the log says.
     field : sequence of path
         Where the resampling transform goes: ``.h5`` and ``.nii.gz`` for ITK.
     jacobian : path, optional
@@ -126,6 +128,9 @@ def warp(
         mesh, u = reverse(mesh, u)
     read = read_segmentation if labels else read_image
     before = read(image, affine=affine, series=series, log=log)
+    guessed = not labels and interpolation is None and is_label_map(before.data)
+    if guessed:
+        interpolation = "nearest"
     inverse = inverse_field(mesh, u, before.grid)
     if removed is not None and not back:
         before = without_tissue(before, removed)
@@ -140,6 +145,11 @@ def warp(
             f"{error.max():.3f} mm at most"
         )
     log(str(folding(mesh, u, inverse)))
+    if guessed:
+        log(
+            f"{image} looks like a label map: the nearest voxels were taken, as with "
+            "--labels; if it is none, give --interpolation linear"
+        )
     for path in field:
         write_field(path, inverse)
     if jacobian is not None:
