@@ -30,7 +30,7 @@ from physgnn.mechanics.loads.springs import Springs
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.materials.homogeneous import free_width, uniaxial_stress
 from physgnn.mechanics.meshless.approximation import Approximation
-from physgnn.mechanics.meshless.internal_force import strain_energy
+from physgnn.mechanics.meshless.integrated_forces import strain_energy
 from physgnn.mechanics.meshless.options import MeshlessOptions
 from physgnn.mechanics.meshless.solver import MeshlessSolver
 

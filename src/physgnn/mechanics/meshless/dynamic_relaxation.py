@@ -57,7 +57,7 @@ class Imbalance:
 
 
 @dataclass(frozen=True, eq=False)
-class Rest:
+class SettledState:
     """Where the dynamics ended.
 
     Attributes
@@ -104,14 +104,14 @@ class DynamicRelaxation:
 
     def come_to_rest(
         self, balance: Callable[[FloatArray], Imbalance], start: FloatArray
-    ) -> Rest:
+    ) -> SettledState:
         """Step from a state, without velocity, until nothing moves any more."""
         state, step = start, np.zeros_like(start)
-        now, residual, scale = balance(start), np.inf, np.finfo(float).tiny
+        now, residual, scale = balance(start), np.inf, float(np.finfo(float).tiny)
         self._window.clear()
         for n in range(1, self._options.max_iterations + 1):
             if now.inverted >= 0:
-                return Rest(state, Status.INVERTED, np.inf, now.inverted)
+                return SettledState(state, Status.INVERTED, np.inf, now.inverted)
             low, high = np.sqrt(self._least), np.sqrt(self._greatest)
             decay = (high - low) / (high + low)
             push = 4 / (high + low) ** 2 * now.force / self._mass
@@ -125,8 +125,8 @@ class DynamicRelaxation:
             residual = float(np.linalg.norm(now.force)) / scale
             left = decay / (1 - decay) * largest_norm(step)
             if n >= WINDOW and self._is_enough(now, left, residual):
-                return Rest(state, Status.CONVERGED, residual)
-        return Rest(state, Status.ITERATION_LIMIT, residual)
+                return SettledState(state, Status.CONVERGED, residual)
+        return SettledState(state, Status.ITERATION_LIMIT, residual)
 
     def _is_enough(self, now: Imbalance, left: float, residual: float) -> bool:
         options = self._options

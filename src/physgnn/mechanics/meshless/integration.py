@@ -27,7 +27,7 @@ class IntegrationPoints:
     Attributes
     ----------
     start, nodes : integer arrays
-        The points that act on it: see `Neighbours`.
+        The points that act on it: see `physgnn.mechanics.meshless.supports.Neighbours`.
     gradients : (n_pairs, 3) array
         ∂φ_j/∂X, 1/mm.
     per_cell : int

@@ -15,10 +15,10 @@ from physgnn.mechanics.meshless.approximation import Approximation
 from physgnn.mechanics.meshless.dynamic_relaxation import (
     DynamicRelaxation,
     Imbalance,
-    Rest,
+    SettledState,
 )
 from physgnn.mechanics.meshless.essential_conditions import EssentialConditions
-from physgnn.mechanics.meshless.internal_force import internal_force
+from physgnn.mechanics.meshless.integrated_forces import internal_force
 from physgnn.mechanics.meshless.options import MeshlessOptions
 from physgnn.mechanics.support import check_held
 
@@ -81,7 +81,7 @@ class LoadedBody:
         """Return the nodal parameters where nothing has moved."""
         return np.zeros((len(self._mass), 3))
 
-    def come_to_rest(self, start: FloatArray, load_factor: float) -> Rest:
+    def come_to_rest(self, start: FloatArray, load_factor: float) -> SettledState:
         """Put held points where they belong and let all others move until they rest."""
         place = np.zeros_like(start)
         self._loading.place(place, load_factor)

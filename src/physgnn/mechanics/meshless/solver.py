@@ -17,8 +17,8 @@ from physgnn.mechanics.equilibrium.predictor_step import PathHistory
 from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.meshless.approximation import make_approximation
-from physgnn.mechanics.meshless.dynamic_relaxation import Rest
-from physgnn.mechanics.meshless.internal_force import scaled_mass
+from physgnn.mechanics.meshless.dynamic_relaxation import SettledState
+from physgnn.mechanics.meshless.integrated_forces import scaled_mass
 from physgnn.mechanics.meshless.loaded_body import LoadedBody
 from physgnn.mechanics.meshless.options import DEFAULT_MESHLESS, MeshlessOptions
 
@@ -112,7 +112,7 @@ class _Walk:
         """The load factor of the last state at rest."""
         return self._history.newest[0]
 
-    def advance(self, target: float) -> Rest:
+    def advance(self, target: float) -> SettledState:
         """Go to a load factor; only cells that invert on the way call for less."""
         step = min(target - self.reached, self._trusted)
         while True:

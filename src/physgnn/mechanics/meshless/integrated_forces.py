@@ -3,6 +3,8 @@
 Gradients are those of the undeformed body, so they are found once.
 """
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
@@ -80,7 +82,7 @@ def _scaled_mass(start, nodes, gradients, per_cell, stiffness, mass):  # type: i
     for q in range(len(start) - 1):
         total = 0.0
         for n in range(start[q], start[q + 1]):
-            total += np.linalg.norm(gradients[n])
+            total += float(np.linalg.norm(gradients[n]))
         for n in range(start[q], start[q + 1]):
             length = np.linalg.norm(gradients[n])
             mass[nodes[n]] += stiffness[q // per_cell] / per_cell * length * total
@@ -138,7 +140,9 @@ def scaled_mass(
     return mass
 
 
-def _arguments(at: IntegrationPoints, elements: Elements):  # type: ignore[no-untyped-def]
+def _arguments(
+    at: IntegrationPoints, elements: Elements
+) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any]:
     return (
         at.start,
         at.nodes,

@@ -10,7 +10,7 @@ from physgnn.mechanics.elements.growth import grown
 from physgnn.mechanics.elements.tet4 import Elements, make_elements
 from physgnn.mechanics.materials import TISSUES, MooneyRivlin, NeoHookean
 from physgnn.mechanics.meshless.approximation import Approximation, make_approximation
-from physgnn.mechanics.meshless.internal_force import (
+from physgnn.mechanics.meshless.integrated_forces import (
     internal_force,
     scaled_mass,
     strain_energy,
