@@ -97,7 +97,6 @@ def _save_run(
 
     from physgnn.dataset import Store, named_split
     from physgnn.learning.models import build_model
-    from physgnn.learning.physgnn.model import PhysGNNModel
     from physgnn.learning.runs.checkpoint import Checkpoint
     from physgnn.learning.runs.record import new_record, with_places, with_result
     from physgnn.learning.training.config import TrainingConfig
@@ -109,10 +108,9 @@ def _save_run(
     config = TrainingConfig(options={**options, "normaliser": "published"})
     record = with_places(new_record([(store, split)], asdict(config)), out, [store])
     model = build_model(config.model, store.body, **config.options)
-    assert isinstance(model, PhysGNNModel)
     model.fit(store, split.train)
-    model.network.load_state_dict(network.state_dict())
-    model.eval()
+    weights = {f"network.{k}": v.numpy() for k, v in network.state_dict().items()}
+    model.restore({**model.arrays(), **weights})
     prepare(out, record)
     loss = judged(model, store, split, config.loss)
     untrained = {"wall": 0.0, "processor": 0.0}
