@@ -109,6 +109,7 @@ class Solver:
             loading,
             self._options.tolerance_mm,
             self._options.max_iterations,
+            threads=self._options.threads,
         )
 
     def _find_unknowns(self, held: IntArray) -> _Unknowns:

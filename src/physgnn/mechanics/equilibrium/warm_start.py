@@ -88,7 +88,7 @@ class WarmStartSolver:
         nearest: NearestReference | None = None,
         threads: int = 1,
     ) -> None:
-        self._body, self._pattern = body, body.pattern
+        self._body, self._pattern, self._threads = body, body.pattern, threads
         self._linear = make_linear_solver(
             body.pattern, precision="single", threads=threads
         )
@@ -176,6 +176,7 @@ class WarmStartSolver:
             Loading(self._body.mesh, path, self._body.fixed),
             tolerance_mm,
             MAX_ITERATIONS,
+            threads=self._threads,
         )
 
 

@@ -19,7 +19,7 @@ from scipy.sparse.linalg import splu
 
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.elements.tangent import Pattern, assemble_tangent
+from physgnn.mechanics.elements.tangent import assemble_tangent
 
 FactorPrecision = Literal["single", "double"]
 
@@ -30,6 +30,22 @@ _FACTORISATION, _CLASSIC, _TWO_LEVEL = 23, 0, 1  # index in iparm, and its value
 _KILOBYTES = [15, 16]  # index in iparm: permanent memory of both phases
 FACTOR_FILE = "handle.pds"  # as pardiso_handle_store names it
 _CBWR_AUTO, _CBWR_STRICT = 2, 0x10000  # mkl_types.h: conditional reproducibility
+
+
+class UpperTriangle(Protocol):
+    """The pattern of the upper triangle of a symmetric matrix, diagonal included."""
+
+    @property
+    def indptr(self) -> NDArray[np.int32]:
+        """Where rows begin among the entries."""
+
+    @property
+    def indices(self) -> NDArray[np.int32]:
+        """Columns of the entries."""
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of rows."""
 
 
 class LinearSolver(Protocol):
@@ -51,7 +67,7 @@ class DirectSolver(LinearSolver, Protocol):
 
 
 def make_linear_solver(
-    pattern: Pattern,
+    pattern: UpperTriangle,
     *,
     precision: FactorPrecision = "double",
     threads: int = 1,
@@ -61,7 +77,7 @@ def make_linear_solver(
 
     Parameters
     ----------
-    pattern : Pattern
+    pattern : UpperTriangle
         Of the matrices to come.
     precision : str
         Of the factor: "double" or "single".
@@ -124,7 +140,7 @@ class PardisoSolver:
 
     def __init__(
         self,
-        pattern: Pattern,
+        pattern: UpperTriangle,
         *,
         precision: FactorPrecision = "double",
         threads: int = 1,
@@ -141,18 +157,22 @@ class PardisoSolver:
         self._iparm[[0, 1, 34]] = 1, 2, 1
         self._iparm[_FACTORISATION] = _CLASSIC if storable else _TWO_LEVEL
         self._iparm[27] = 1 if precision == "single" else 0
-        self._analysed = False
+        self._analysed = self._factorised = False
         arguments = (self._handle, self._n, self._iparm)
         weakref.finalize(self, _release, *arguments)
 
     def factorize(self, data: FloatArray) -> bool:
-        """Factorise K; False if it is not positive definite."""
+        """Factorise K, unless it is that of the last time; False if not positive."""
+        data = data.astype(self._dtype)
+        if self._factorised and np.array_equal(data, self._data):
+            return True
         self._data[:] = data
         empty = np.zeros(1, dtype=self._dtype)
         if not self._analysed:
             self._call(_ANALYSE, empty, empty, 1)
             self._analysed = True
-        return self._call(_FACTORISE, empty, empty, 1) == 0
+        self._factorised = self._call(_FACTORISE, empty, empty, 1) == 0
+        return self._factorised
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
@@ -182,8 +202,9 @@ class PardisoSolver:
     def restore(self, folder: Path, data: FloatArray) -> bool:
         """Read back the factor of a matrix; False if there is none to be read."""
         self._data[:] = data
-        self._analysed = self._on_disk("pardiso_handle_restore", folder) == 0
-        return self._analysed
+        restored = self._on_disk("pardiso_handle_restore", folder) == 0
+        self._analysed, self._factorised = restored, False  # it may be another
+        return restored
 
     def _on_disk(self, function: str, folder: Path) -> int:
         error = ctypes.c_int32(0)
@@ -254,7 +275,7 @@ def _release(handle: NDArray[Any], n: int, iparm: NDArray[Any]) -> None:
 class SuperLUSolver:
     """SciPy's SuperLU in symmetric mode: the same interface where MKL is not."""
 
-    def __init__(self, pattern: Pattern) -> None:
+    def __init__(self, pattern: UpperTriangle) -> None:
         self._shape = (pattern.n_unknowns,) * 2
         self._indptr, self._indices = pattern.indptr, pattern.indices
         self._factor: Any = None

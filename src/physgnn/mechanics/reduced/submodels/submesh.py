@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from physgnn.arrays import BoolArray, FloatArray, IntArray
+from physgnn.arrays import FloatArray, IntArray
+from physgnn.mechanics.elements.subset import some_cells
 from physgnn.mechanics.elements.tangent import Pattern, assemble_tangent, make_pattern
 from physgnn.mechanics.elements.tet4 import Elements, internal_force, strain_energy
 
@@ -88,16 +89,3 @@ def cut_out(
     rows = pattern.row[points]
     dofs = (3 * rows[rows >= 0, None].astype(np.int64) + np.arange(3)).ravel()
     return part, np.flatnonzero(rows >= 0), dofs
-
-
-def some_cells(elements: Elements, cells: BoolArray) -> Elements:
-    """Return some of the cells; points keep their numbers."""
-    return replace(
-        elements,
-        cells=np.ascontiguousarray(elements.cells[cells]),
-        gradients=elements.gradients[cells],
-        rest=elements.rest[cells],
-        volumes=elements.volumes[cells],
-        law=elements.law[cells],
-        constants=elements.constants[cells],
-    )

@@ -12,11 +12,12 @@ import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.body import Body
+from physgnn.mechanics.elements.subset import some_cells
 from physgnn.mechanics.elements.tangent import Pattern, assemble_tangent, make_pattern
 from physgnn.mechanics.elements.tet4 import Elements, internal_force, strain_energy
 from physgnn.mechanics.linear.direct_solver import LinearSolver, make_linear_solver
 from physgnn.mechanics.reduced.energy_minimiser import minimise
-from physgnn.mechanics.reduced.submodels.submesh import cut_out, some_cells
+from physgnn.mechanics.reduced.submodels.submesh import cut_out
 
 MIN_STEP = 1 / 64  # of the way from rest
 SMALL_MM = 1e-6  # displacement that forces are linear in
