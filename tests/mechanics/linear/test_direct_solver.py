@@ -90,3 +90,24 @@ def test_a_body_that_floats_is_refused(block):
         RestState(Body(block, MATERIALS, "skull"))
     with pytest.raises(InputError, match="must index"):
         RestState(Body(block, MATERIALS, np.array([0, 1, 10_000])))
+
+
+def test_the_same_matrix_is_factorised_once(system, monkeypatch):
+    """Paths from rest share the first factor; one that failed is none to share."""
+    pattern, data, _ = system
+    solver = make_linear_solver(pattern, precision="single")
+    if not isinstance(solver, PardisoSolver):
+        pytest.skip("SuperLU keeps no matrix to compare with")
+    phases: list[int] = []
+    call = solver._call
+    monkeypatch.setattr(
+        solver, "_call", lambda p, *rest: phases.append(p) or call(p, *rest)
+    )
+    assert solver.factorize(data)
+    made = list(phases)
+    assert solver.factorize(data.copy())
+    assert phases == made
+    assert solver.factorize(2 * data)
+    assert not solver.factorize(-data)
+    assert not solver.factorize(-data), "no factor came of it the first time"
+    assert phases.count(made[-1]) == 4
