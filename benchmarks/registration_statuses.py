@@ -5,7 +5,8 @@
 The shifts are those of `benchmarks/shifts.py`. Each is measured well, and then badly in
 every way of `BAD`: too few points, one point many times, points in a line or a cluster,
 pairs swapped or gone astray, a tracker that moved, a surface far away or in other
-units, a noise stated far too small.
+units, a noise stated far too small. What a tracker may have moved is measured once more
+with 6 points of the bone around the craniotomy, of 0.5 mm of noise.
 
 A registration is *wrong* if its largest error is above its bound. Counted are the
 registrations that are wrong and called usable, and those that are right and flagged;
@@ -24,14 +25,25 @@ import numpy as np
 from held_out import Log
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
-from physgnn.geometry.measured import PointPairs, SurfacePoints
+from physgnn.geometry.boundary import boundary_surface
+from physgnn.geometry.measured import (
+    BonePoints,
+    PointPairs,
+    SurfacePoints,
+    farthest_points,
+)
+from physgnn.geometry.normals import vertex_normals
 from physgnn.prediction import PredictionStatus
 from registration import TOLD_MM, Compared
 from shifts import Case, Truth
 from tables import machine, table
 
 Measured = PointPairs | SurfacePoints
+Given = Measured | list[Measured | BonePoints]
 USUAL = 40  # pairs, of the 50 there are
+N_BONE, BONE_NOISE_MM = 6, 0.5
+RIM_MM = (40.0, 60.0)  # from the middle of the craniotomy to a point of the bone
+THICK_MM = 5.0  # from the brain to it
 STRAY_MM = 15.0  # each coordinate of a bad point
 
 
@@ -102,6 +114,49 @@ def scaled(by: float, case: Case) -> Measured:
     return SurfacePoints(case.surface.points * by)
 
 
+class Bone:
+    """Points of the bone around the craniotomy, as the navigation finds them."""
+
+    def __init__(self, truth: Truth) -> None:
+        outer = boundary_surface(truth.mesh)
+        far = np.linalg.norm(outer.points - truth.phantom.craniotomy_point, axis=1)
+        near = np.flatnonzero((far > RIM_MM[0]) & (far < RIM_MM[1]))
+        rim = np.intersect1d(near, outer.faces)
+        away = THICK_MM * vertex_normals(outer)[rim]
+        self._points = outer.points[rim] + away
+
+    def seen(self, seed: int, offset: FloatArray) -> BonePoints:
+        """Return some of them, all off by an offset (3,), mm."""
+        rng = np.random.default_rng(seed)
+        order = rng.permutation(len(self._points))
+        spread = farthest_points(self._points[order], count=N_BONE)
+        some = self._points[order][spread]
+        noise = rng.normal(scale=BONE_NOISE_MM, size=some.shape)
+        return BonePoints(some, some + offset + noise)
+
+
+def with_bone(
+    bone: Bone, way: Callable[[Case], Measured], seed: int, case: Case
+) -> Given:
+    """Add points of the bone, off by as much as the tracker is."""
+    arguments = way.args if isinstance(way, partial) else ()
+    off = len(arguments) == 2  # how far, and where to
+    offset = arguments[0] * _direction(case, arguments[1]) if off else np.zeros(3)
+    return [way(case), bone.seen(seed, offset)]
+
+
+def bad_bone(bone: Bone, what: str, seed: int, case: Case) -> Given:
+    """Add points of the bone of which two are swapped, or that lie in a line."""
+    seen = bone.seen(seed, np.zeros(3))
+    if what == "swapped":
+        target = seen.target[[1, 0, *range(2, N_BONE)]]
+        return [case.pairs, BonePoints(seen.source, target)]
+    along = np.linspace(0.0, 1.0, 3)[:, None] * (seen.source[1] - seen.source[0])
+    noise = np.random.default_rng(seed).normal(scale=BONE_NOISE_MM, size=along.shape)
+    line = seen.source[0] + along
+    return [case.pairs, BonePoints(line, line + noise)]
+
+
 GOOD: Mapping[str, Callable[[Case], Measured]] = {
     "50 pairs": lambda case: case.pairs,
     "20 pairs": partial(first, 20),
@@ -130,11 +185,19 @@ BAD: Mapping[str, Callable[[Case], Measured]] = {
 }
 NOISE_TOLD_MM = {"noise stated 10 times too small": 0.1 * TOLD_MM}
 STILL = ("tracker moved 8 mm, out", "tracker moved 8 mm, aside")
+WITH_BONE = f", {N_BONE} bone points"
+"""After the name of a way: the same with them."""
+CHECKED = (*GOOD, *(name for name in BAD if " off, " in name or "tracker" in name))
+BAD_BONE = {
+    "50 pairs, two of 6 bone points swapped": "swapped",
+    "50 pairs, 3 bone points in a line": "line",
+}
 
 
-def measure(body: Compared, name: str, measured: Measured, truth: FloatArray) -> dict:
+def measure(body: Compared, name: str, measured: Given, truth: FloatArray) -> dict:
     """Return what one registration says and how wrong it is."""
-    noise = NOISE_TOLD_MM.get(name, TOLD_MM)
+    told = NOISE_TOLD_MM.get(name, TOLD_MM)
+    noise = {"pairs": told, "surface": told, "bone": BONE_NOISE_MM}
     try:
         found = body.registrar(measured, noise_mm=noise).prediction
     except InputError:
@@ -145,6 +208,7 @@ def measure(body: Compared, name: str, measured: Measured, truth: FloatArray) ->
         "status": found.status.name,
         "error": float(error),
         "bound": found.error_estimate_mm.max_mm,
+        "moved": float(np.linalg.norm(found.displacement, axis=1).max()),
         "reasons": list(found.reasons),
     }
 
@@ -166,9 +230,21 @@ def row(name: str, records: list[dict[str, Any]]) -> tuple[str, ...]:
 
 
 def rows(log: Log) -> Iterator[tuple[str, ...]]:
-    for name in (*GOOD, *NOISE_TOLD_MM, *BAD):
+    checked = (f"{name}{WITH_BONE}" for name in CHECKED)
+    for name in (*GOOD, *NOISE_TOLD_MM, *BAD, *checked, *BAD_BONE):
         if records := log.of(name):
             yield row(name, records)
+
+
+def all_ways(bone: Bone, seed: int) -> dict[str, Callable[[Case], Given]]:
+    """Return every way to measure a shift."""
+    alone = {**GOOD, **dict.fromkeys(NOISE_TOLD_MM, GOOD["50 pairs"]), **BAD}
+    checked = {
+        f"{name}{WITH_BONE}": partial(with_bone, bone, alone[name], seed)
+        for name in CHECKED
+    }
+    bad = {n: partial(bad_bone, bone, what, seed) for n, what in BAD_BONE.items()}
+    return {**alone, **checked, **bad}
 
 
 def main() -> None:
@@ -181,13 +257,15 @@ def main() -> None:
     print(machine())
     truth, log = Truth(int(1.5 * options.points), "fixed"), Log(options.log)
     body = Compared(options.points, "fixed", truth.mesh.points, causes=None)
-    ways = {**GOOD, **dict.fromkeys(NOISE_TOLD_MM, GOOD["50 pairs"]), **BAD}
+    bone = Bone(truth)
     for seed in range(options.first_seed, options.first_seed + options.cases):
+        ways = all_ways(bone, seed)
         missing = [n for n in ways if list(log.missing([(seed, 0)], n))]
         case = truth.case(seed) if missing else None
         for name in missing:
             assert case is not None
-            u = np.zeros_like(case.displacement) if name in STILL else case.displacement
+            still = name.removesuffix(WITH_BONE) in STILL
+            u = np.zeros_like(case.displacement) if still else case.displacement
             said = measure(body, name, ways[name](case), u)
             log.add(path=seed, level=1, what=name, **said)
     head = ("measured", "cases", "wrong", "wrong and usable", "right and flagged")

@@ -4,11 +4,14 @@ To add one, write a class with the attributes of `Measurement` and a row.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from dataclasses import replace
+from typing import Any, Protocol
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.measured import (
+    BonePoints,
     Landmarks,
     PointPairs,
     SurfacePoints,
@@ -17,6 +20,7 @@ from physgnn.geometry.measured import (
 from physgnn.geometry.plausibility import check_same_units
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
+from physgnn.registration.measurements.bone import MeasuredBone
 from physgnn.registration.measurements.observation import Measurement
 from physgnn.registration.measurements.points import (
     measured_landmarks,
@@ -28,6 +32,7 @@ from physgnn.registration.measurements.surfaces import (
 )
 
 Measured = PointPairs | Landmarks | SurfacePoints | WholeSurface
+Given = Measured | BonePoints
 Noise = float | Mapping[str, float]
 LARGEST_NOISE_MM = 20.0
 DEFAULT_NOISE_MM = 1.0
@@ -70,10 +75,43 @@ def measurements_of(
     """
     given = measured if isinstance(measured, Sequence) else [measured]
     if not given:
-        raise InputError("nothing was measured: give points or a surface")
+        raise InputError("nothing was measured of the brain: give points or a surface")
     for one in given:
         _check_units(body.mesh, one)
     return [KINDS[type(one)](body, one) for one in given]
+
+
+def parted(
+    mesh: TetMesh, given: Given | Sequence[Given]
+) -> tuple[list[Measured], MeasuredBone | None]:
+    """Return what was measured of the brain, and of the bone.
+
+    Raises
+    ------
+    InputError
+        If points of the bone cannot be such, or are given twice.
+    """
+    every = given if isinstance(given, Sequence) else [given]
+    bone = [one for one in every if isinstance(one, BonePoints)]
+    if len(bone) > 1:
+        raise InputError(f"give all bone points as one (got {len(bone)} lists of them)")
+    brain = [one for one in every if not isinstance(one, BonePoints)]
+    return brain, MeasuredBone(mesh, bone[0]) if bone else None
+
+
+def moved(measured: Measured, to: Callable[[FloatArray], FloatArray]) -> Measured:
+    """Return a measurement, what was found after the shift elsewhere.
+
+    Parameters
+    ----------
+    measured : PointPairs, Landmarks, SurfacePoints or WholeSurface
+        Whatever a row of `KINDS` takes.
+    to : callable
+        From points (n, 3) to where they are put, mm.
+    """
+    if isinstance(measured, PointPairs):
+        return replace(measured, target=to(measured.target))
+    return replace(measured, points=to(measured.points))
 
 
 def _check_units(mesh: TetMesh, measured: Measured) -> None:
@@ -84,7 +122,13 @@ def _check_units(mesh: TetMesh, measured: Measured) -> None:
         check_same_units(measured.points, surface, "measured surface")
 
 
-def noises_of(measurements: Sequence[Measurement], noise_mm: Noise) -> list[float]:
+class Named(Protocol):
+    """Anything of a kind, such as a `Measurement` or a `MeasuredBone`."""
+
+    kind: str
+
+
+def noises_of(measurements: Sequence[Named], noise_mm: Noise) -> list[float]:
     """Return the noise of each measurement, mm.
 
     Parameters

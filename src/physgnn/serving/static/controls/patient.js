@@ -201,7 +201,8 @@ export class Patient {
     write("found-mean", error ? `${error.mean_mm.toFixed(2)} mm` : "not known");
     write("found-most", error ? `${error.max_mm.toFixed(2)} mm${chance}` : "not known");
     const done = offset.corrected ? "corrected" : `${Math.round(100 * offset.probability)} % probable`;
-    write("found-offset", `${offset.length_mm.toFixed(1)} mm, ${offset.turn_deg.toFixed(1)}°, ${done}`);
+    const size = `${offset.length_mm.toFixed(1)} mm, ${offset.turn_deg.toFixed(1)}°`;
+    write("found-offset", `${size}, ${done}; ${offset.bone ?? "not checked against bone"}`);
     $("misfits").replaceChildren(...misfits.slice(0, MOST_MISFITS).map(({ kind, label, mm, weight, outlier }) => {
       const row = element("tr", { title: kind });
       for (const text of [outlier ? `${label} (outlier)` : label, mm.toFixed(2), weight.toFixed(2)]) {

@@ -12,7 +12,7 @@ from physgnn.geometry.tetmesh import TetMesh
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.registration_page.case import RegisteredCase
-    from physgnn.registration.registrar import Registration
+    from physgnn.registration.result import Registration
 
 PAGE = "report.html"
 
@@ -55,7 +55,10 @@ def registered_case(
         places=places,
         noise_mm=noise_mm,
         image=image,
-        facts={"made by": f"physgnn {version('physgnn')}"},
+        facts={
+            "made by": f"physgnn {version('physgnn')}",
+            "navigation": found.navigation,
+        },
     )
 
 

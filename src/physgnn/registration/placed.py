@@ -1,0 +1,104 @@
+"""Everything measured in its place on a body, without the offset that bone tells of."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from physgnn.mechanics.body import Body
+from physgnn.prediction.measured_evidence import BoneFit, RigidOffset
+from physgnn.registration.fit import bone_fit_of
+from physgnn.registration.inference.bone_offset import BoneOffset, bone_offset
+from physgnn.registration.inference.bounds import Alternative
+from physgnn.registration.inference.rigid_offset import UNKNOWN, OffsetPrior
+from physgnn.registration.inference.rows import middle_of
+from physgnn.registration.inference.search import Search
+from physgnn.registration.measurements.kinds import (
+    Given,
+    Noise,
+    measurements_of,
+    moved,
+    noises_of,
+    parted,
+)
+from physgnn.registration.measurements.observation import Measurement
+from physgnn.registration.misfits import Misfit, misfits_of
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """What was measured of one state.
+
+    Attributes
+    ----------
+    measured : list of Measurement
+        Of the brain.
+    noises : list of float
+        Of each, mm.
+    told : BoneOffset or None
+        What points of the bone say of the navigation; it has been taken out.
+    prior : OffsetPrior or None
+        Of the offset that a search corrects; None if it corrects none.
+    """
+
+    measured: list[Measurement]
+    noises: list[float]
+    told: BoneOffset | None
+    prior: OffsetPrior | None
+
+    @property
+    def kinds(self) -> list[str]:
+        """What was measured of the brain."""
+        return [one.kind for one in self.measured]
+
+    @property
+    def bone(self) -> BoneFit | None:
+        """How well the points of the bone agree, if there were any."""
+        return None if self.told is None else bone_fit_of(self.told)
+
+    def offset(self, search: Search) -> tuple[RigidOffset, list[Alternative]]:
+        """Return the offset that a search ended with; posteriors the error is of."""
+        if self.told is None:
+            return search.offset()
+        centre = middle_of(self.measured)
+        return self.told.reported(search.fit.posterior, centre), search.alone()
+
+    def misfits(self, search: Search) -> tuple[Misfit, ...]:
+        """Return how far every place is off, those of the bone at the end."""
+        fit, told = search.fit, self.told
+        brain = misfits_of(self.measured, search.rows(), fit.misfit, fit.weights)
+        if told is None:
+            return brain
+        bone = [told.in_scan]
+        return brain + misfits_of(bone, told.rows, told.fit.misfit, told.fit.weights)
+
+
+def placed(
+    body: Body,
+    given: Given | Sequence[Given],
+    noise_mm: Noise,
+    *,
+    rigid_offset: bool,
+) -> Placed:
+    """Return everything measured, in its place on a body.
+
+    Parameters
+    ----------
+    body : Body
+        At rest.
+    given, noise_mm, rigid_offset
+        As of `physgnn.registration.registrar.Registrar`.
+
+    Raises
+    ------
+    InputError
+        If nothing was measured of the brain, or something cannot be where it is said to
+        be.
+    """
+    brain, bone = parted(body.mesh, given)
+    if bone is None:
+        measured = measurements_of(body, brain)
+        prior = UNKNOWN if rigid_offset else None
+        return Placed(measured, noises_of(measured, noise_mm), None, prior)
+    told = bone_offset(bone, noises_of([bone], noise_mm)[0])
+    measured = measurements_of(body, [moved(one, told.motion.undone) for one in brain])
+    prior = told.prior_about(middle_of(measured))
+    return Placed(measured, noises_of(measured, noise_mm), told, prior)
