@@ -33,7 +33,7 @@ from physgnn.arrays import FloatArray
 from physgnn.geometry.measured import PointPairs, SurfacePoints, WholeSurface
 from physgnn.registration.inference.bounds import factors_of
 from registration import TOLD_MM, Compared
-from shifts import Case, Truth
+from shifts import BONE_NOISE_MM, Case, Truth
 from tables import machine, table
 
 Measured = PointPairs | SurfacePoints | WholeSurface
@@ -120,20 +120,34 @@ CONDITIONS = {
     "outliers": outliers,
     "swapped": swapped,
     "offset": offset,
+    "bone": clean,
+    "bone and outliers": outliers,
 }
+WITH_BONE = ("bone", "bone and outliers")
+
+
+def correction_of(name: str) -> str:
+    """Return how an offset is corrected where things are measured so."""
+    return "by bone" if name in WITH_BONE else "estimated" if name == "offset" else "no"
 
 
 def registered(body: Compared, kind: str, name: str, case: Case, seed: int) -> dict:
     """Return the errors of one registration and what it said of them."""
     given = measured(case, KINDS[kind])
-    spoilt = CONDITIONS[name](given, np.random.default_rng(seed + 10_000))
-    found = body.registrar(spoilt, noise_mm=TOLD_MM, rigid_offset=name == "offset")
+    rng = np.random.default_rng(seed + 10_000)
+    if name in WITH_BONE:
+        both = offset([*given, case.bone], rng)
+        spoilt = [*CONDITIONS[name](both[:-1], rng), both[-1]]
+    else:
+        spoilt = CONDITIONS[name](given, rng)
+    noise = {**dict.fromkeys(KINDS, TOLD_MM), "bone": BONE_NOISE_MM}
+    found = body.registrar(spoilt, noise_mm=noise, rigid_offset=name == "offset")
     there = body.at_truth(found.prediction.displacement)
     error = np.linalg.norm(there - case.displacement, axis=1)
     bound = found.prediction.error_estimate_mm
     assert bound is not None
     skull = body.registrar.skull
-    corrected = name == "offset"
+    corrected = correction_of(name)
     factors = factors_of(list(KINDS[kind]), skull=skull, corrected=corrected)
     of_mean, of_largest = factors.of_mean, factors.of_largest
     return {

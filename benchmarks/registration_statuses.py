@@ -25,25 +25,16 @@ import numpy as np
 from held_out import Log
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
-from physgnn.geometry.boundary import boundary_surface
-from physgnn.geometry.measured import (
-    BonePoints,
-    PointPairs,
-    SurfacePoints,
-    farthest_points,
-)
-from physgnn.geometry.normals import vertex_normals
+from physgnn.geometry.measured import BonePoints, PointPairs, SurfacePoints
 from physgnn.prediction import PredictionStatus
 from registration import TOLD_MM, Compared
-from shifts import Case, Truth
+from shifts import BONE_NOISE_MM, N_BONE, Case, Truth
 from tables import machine, table
 
 Measured = PointPairs | SurfacePoints
 Given = Measured | list[Measured | BonePoints]
 USUAL = 40  # pairs, of the 50 there are
-N_BONE, BONE_NOISE_MM = 6, 0.5
-RIM_MM = (40.0, 60.0)  # from the middle of the craniotomy to a point of the bone
-THICK_MM = 5.0  # from the brain to it
+LINE_MM = 20.0  # of bone points in one
 STRAY_MM = 15.0  # each coordinate of a bad point
 
 
@@ -114,46 +105,24 @@ def scaled(by: float, case: Case) -> Measured:
     return SurfacePoints(case.surface.points * by)
 
 
-class Bone:
-    """Points of the bone around the craniotomy, as the navigation finds them."""
-
-    def __init__(self, truth: Truth) -> None:
-        outer = boundary_surface(truth.mesh)
-        far = np.linalg.norm(outer.points - truth.phantom.craniotomy_point, axis=1)
-        near = np.flatnonzero((far > RIM_MM[0]) & (far < RIM_MM[1]))
-        rim = np.intersect1d(near, outer.faces)
-        away = THICK_MM * vertex_normals(outer)[rim]
-        self._points = outer.points[rim] + away
-
-    def seen(self, seed: int, offset: FloatArray) -> BonePoints:
-        """Return some of them, all off by an offset (3,), mm."""
-        rng = np.random.default_rng(seed)
-        order = rng.permutation(len(self._points))
-        spread = farthest_points(self._points[order], count=N_BONE)
-        some = self._points[order][spread]
-        noise = rng.normal(scale=BONE_NOISE_MM, size=some.shape)
-        return BonePoints(some, some + offset + noise)
-
-
-def with_bone(
-    bone: Bone, way: Callable[[Case], Measured], seed: int, case: Case
-) -> Given:
+def with_bone(way: Callable[[Case], Measured], case: Case) -> Given:
     """Add points of the bone, off by as much as the tracker is."""
     arguments = way.args if isinstance(way, partial) else ()
     off = len(arguments) == 2  # how far, and where to
     offset = arguments[0] * _direction(case, arguments[1]) if off else np.zeros(3)
-    return [way(case), bone.seen(seed, offset)]
+    return [way(case), BonePoints(case.bone.source, case.bone.target + offset)]
 
 
-def bad_bone(bone: Bone, what: str, seed: int, case: Case) -> Given:
-    """Add points of the bone of which two are swapped, or that lie in a line."""
-    seen = bone.seen(seed, np.zeros(3))
-    if what == "swapped":
-        target = seen.target[[1, 0, *range(2, N_BONE)]]
-        return [case.pairs, BonePoints(seen.source, target)]
-    along = np.linspace(0.0, 1.0, 3)[:, None] * (seen.source[1] - seen.source[0])
-    noise = np.random.default_rng(seed).normal(scale=BONE_NOISE_MM, size=along.shape)
-    line = seen.source[0] + along
+def bone_swapped(case: Case) -> Given:
+    target = case.bone.target[[1, 0, *range(2, N_BONE)]]
+    return [case.pairs, BonePoints(case.bone.source, target)]
+
+
+def bone_in_a_line(case: Case) -> Given:
+    first, second = case.bone.source[:2]
+    along = (second - first) / np.linalg.norm(second - first)
+    line = first + np.linspace(0.0, LINE_MM, 3)[:, None] * along
+    noise = case.bone.displacement[:3]
     return [case.pairs, BonePoints(line, line + noise)]
 
 
@@ -188,9 +157,9 @@ STILL = ("tracker moved 8 mm, out", "tracker moved 8 mm, aside")
 WITH_BONE = f", {N_BONE} bone points"
 """After the name of a way: the same with them."""
 CHECKED = (*GOOD, *(name for name in BAD if " off, " in name or "tracker" in name))
-BAD_BONE = {
-    "50 pairs, two of 6 bone points swapped": "swapped",
-    "50 pairs, 3 bone points in a line": "line",
+BAD_BONE: Mapping[str, Callable[[Case], Given]] = {
+    "50 pairs, two of 6 bone points swapped": bone_swapped,
+    "50 pairs, 3 bone points in a line": bone_in_a_line,
 }
 
 
@@ -236,15 +205,13 @@ def rows(log: Log) -> Iterator[tuple[str, ...]]:
             yield row(name, records)
 
 
-def all_ways(bone: Bone, seed: int) -> dict[str, Callable[[Case], Given]]:
+def all_ways() -> dict[str, Callable[[Case], Given]]:
     """Return every way to measure a shift."""
     alone = {**GOOD, **dict.fromkeys(NOISE_TOLD_MM, GOOD["50 pairs"]), **BAD}
     checked = {
-        f"{name}{WITH_BONE}": partial(with_bone, bone, alone[name], seed)
-        for name in CHECKED
+        f"{name}{WITH_BONE}": partial(with_bone, alone[name]) for name in CHECKED
     }
-    bad = {n: partial(bad_bone, bone, what, seed) for n, what in BAD_BONE.items()}
-    return {**alone, **checked, **bad}
+    return {**alone, **checked, **BAD_BONE}
 
 
 def main() -> None:
@@ -257,9 +224,8 @@ def main() -> None:
     print(machine())
     truth, log = Truth(int(1.5 * options.points), "fixed"), Log(options.log)
     body = Compared(options.points, "fixed", truth.mesh.points, causes=None)
-    bone = Bone(truth)
+    ways = all_ways()
     for seed in range(options.first_seed, options.first_seed + options.cases):
-        ways = all_ways(bone, seed)
         missing = [n for n in ways if list(log.missing([(seed, 0)], n))]
         case = truth.case(seed) if missing else None
         for name in missing:

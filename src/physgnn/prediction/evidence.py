@@ -268,8 +268,8 @@ Rule = Callable[[Evidence], Iterator[str]]
 # From what makes a displacement meaningless to what makes it merely uncertain.
 RULES: tuple[tuple[PredictionStatus, Rule], ...] = (
     (PredictionStatus.TOO_FEW_POINTS, _too_few),
-    (PredictionStatus.TOO_FEW_BONE_POINTS, _too_few_of_bone),
     (PredictionStatus.BONE_MISFIT, _bone_misfit),
+    (PredictionStatus.TOO_FEW_BONE_POINTS, _too_few_of_bone),
     (PredictionStatus.MEASUREMENT_TOO_FAR, _too_far),
     (PredictionStatus.TOLERANCE_NOT_MET, _not_converged),
     (PredictionStatus.MISFIT_ABOVE_NOISE, _misfit),

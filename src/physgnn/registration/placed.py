@@ -50,6 +50,13 @@ class Placed:
         return [one.kind for one in self.measured]
 
     @property
+    def corrected(self) -> str:
+        """How an offset is corrected, as `factors_of` has it."""
+        if self.told is not None:
+            return "by bone"
+        return "no" if self.prior is None else "estimated"
+
+    @property
     def bone(self) -> BoneFit | None:
         """How well the points of the bone agree, if there were any."""
         return None if self.told is None else bone_fit_of(self.told)

@@ -156,7 +156,7 @@ class Registrar:
         fit, rows = search.fit, search.rows()
         offset, alternatives = there.offset(search)
         lengths = error_lengths(alternatives, search.response, seed)
-        factors = factors_of(there.kinds, skull=self.skull, corrected=offset.corrected)
+        factors = factors_of(there.kinds, skull=self.skull, corrected=there.corrected)
         estimate = estimate_of(lengths, coverage, factors)
         verdict = self._verdict(search, estimate, there, offset, whole)
         deviation = factors.of_mean * lengths.deviation_mm

@@ -15,21 +15,28 @@ the prior of the offset in the search: the brain cannot bend what the bone says.
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
+from itertools import combinations, islice
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 from scipy.stats import multivariate_normal
 
 from physgnn.arrays import FloatArray
-from physgnn.prediction.measured_evidence import LEAST_SPREAD_MM, RigidOffset
+from physgnn.prediction.measured_evidence import (
+    FEWEST_BONE_POINTS,
+    LEAST_SPREAD_MM,
+    RigidOffset,
+)
 from physgnn.registration.inference.gaussian import Posterior
 from physgnn.registration.inference.heavy_tails import (
     ITERATIONS,
     LAST_ITERATIONS,
+    NU,
     STARTS,
     RobustFit,
     log_density,
     reweighted,
+    student_weights,
 )
 from physgnn.registration.inference.rigid_offset import (
     HYPOTHESES,
@@ -40,6 +47,8 @@ from physgnn.registration.inference.rigid_offset import (
 )
 from physgnn.registration.inference.rows import MeasuredRows, turning
 from physgnn.registration.measurements.bone import MeasuredBone
+
+MOST = 1000  # threes of bone points looked at: all there are of up to nineteen
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,16 +213,38 @@ def bone_offset(bone: MeasuredBone, noise_mm: float) -> BoneOffset:
     noise_mm : float
         Standard deviation of each coordinate of their displacement.
     """
-    found = [_descended(bone, noise_mm, scales) for scales in STARTS]
-    return max(
-        found, key=lambda one: log_density(one.rows, MISPLACED.variances, one.fit)
-    )
+    every = np.ones(len(bone.points))
+    begun = [(every, scales) for scales in STARTS]
+    if len(every) > FEWEST_BONE_POINTS:
+        begun.append((_weights_of_three(bone, noise_mm), STARTS[-1]))
+    found = [_descended(bone, noise_mm, *start) for start in begun]
+    variances = MISPLACED.variances
+    return max(found, key=lambda one: log_density(one.rows, variances, one.fit))
+
+
+def _weights_of_three(bone: MeasuredBone, noise_mm: float) -> FloatArray:
+    """Return the weights by the three points that the others agree with best.
+
+    Of a handful of points two that are swapped bend every fit to all (random sample
+    consensus: Fischler & Bolles, Communications of the ACM 24, 1981, 381-395; here
+    every three, as far as they are not too many).
+    """
+    n = len(bone.points)
+    best = np.inf
+    for some in islice(combinations(np.random.default_rng(0).permutation(n), 3), MOST):
+        of = list(some)
+        motion = best_motion(bone.points[of], bone.measured[of], np.ones(3))
+        away = (motion.undone(bone.measured) - bone.points) / noise_mm
+        cost = float(np.log1p((away**2).sum(axis=1) / NU).sum())
+        if cost < best:
+            best, weights = cost, student_weights((away**2).ravel(), ((n, 3),))
+    return weights
 
 
 def _descended(
-    bone: MeasuredBone, noise_mm: float, scales: Sequence[float]
+    bone: MeasuredBone, noise_mm: float, weights: FloatArray, scales: Sequence[float]
 ) -> BoneOffset:
-    weights = np.ones(len(bone.points))
+    """Return the offset after these scales of the noise, one after the other."""
     for scale in scales:
         for _ in range(LAST_ITERATIONS if scale == scales[-1] else ITERATIONS):
             found = _weighted(bone, noise_mm, weights, scale)
