@@ -20,7 +20,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.measured import BonePoints
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.prediction import PredictionStatus
-from physgnn.registration.measurements.bone import MeasuredBone
+from physgnn.registration.measurements.bone import check_bone
 from physgnn.registration.measurements.kinds import Given, moved
 from physgnn.registration.registrar import Registrar
 from physgnn.registration.result import Registration
@@ -184,7 +184,7 @@ def test_points_in_another_unit_are_refused(unit: float, body: TetMesh) -> None:
     centred = replace(body, points=body.points - SIDE / 2)
     points = (RIM - SIDE / 2) / unit
     with pytest.raises(InputError, match=r"metres|outside of"):
-        MeasuredBone(centred, BonePoints(points, points))
+        check_bone(centred, BonePoints(points, points))
 
 
 def test_bone_alone_says_nothing_of_a_brain(registrar: Registrar) -> None:

@@ -87,7 +87,7 @@ def bone_fit_of(told: BoneOffset) -> BoneFit:
         What they say.
     """
     kept = ~told.fit.outliers
-    few = _apart(told.bone.points[kept])
+    few = _apart(told.bone.source[kept])
     every = slice(0, len(kept))
     chance = _misfit(told.rows, told.fit, every, kept)[1] if kept.any() else 0.0
     return BoneFit(

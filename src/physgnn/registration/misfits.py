@@ -16,11 +16,14 @@ from physgnn.registration.inference.rows import MeasuredRows
 
 
 class Labelled(Protocol):
-    """What was measured of some kind, as `Measurement` and `MeasuredBone` say it."""
+    """What was measured of some kind, such as a `Measurement`."""
 
-    kind: str
-    labels: tuple[str, ...]
-    measured: FloatArray
+    @property
+    def kind(self) -> str: ...  # noqa: D102
+    @property
+    def labels(self) -> tuple[str, ...]: ...  # noqa: D102
+    @property
+    def measured(self) -> FloatArray: ...  # noqa: D102
 
 
 @dataclass(frozen=True)

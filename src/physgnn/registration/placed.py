@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.prediction.measured_evidence import BoneFit, RigidOffset
 from physgnn.registration.fit import bone_fit_of
@@ -11,6 +12,7 @@ from physgnn.registration.inference.bounds import Alternative
 from physgnn.registration.inference.rigid_offset import UNKNOWN, OffsetPrior
 from physgnn.registration.inference.rows import middle_of
 from physgnn.registration.inference.search import Search
+from physgnn.registration.measurements.bone import KIND
 from physgnn.registration.measurements.kinds import (
     Given,
     Noise,
@@ -21,6 +23,15 @@ from physgnn.registration.measurements.kinds import (
 )
 from physgnn.registration.measurements.observation import Measurement
 from physgnn.registration.misfits import Misfit, misfits_of
+
+
+@dataclass(frozen=True, eq=False)
+class FoundBone:
+    """Points of the bone where they are found, without the offset, mm."""
+
+    labels: tuple[str, ...]
+    measured: FloatArray
+    kind: str = KIND
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +85,8 @@ class Placed:
         brain = misfits_of(self.measured, search.rows(), fit.misfit, fit.weights)
         if told is None:
             return brain
-        bone = [told.in_scan]
-        return brain + misfits_of(bone, told.rows, told.fit.misfit, told.fit.weights)
+        bone = FoundBone(told.in_scan.labels, told.in_scan.target)
+        return brain + misfits_of([bone], told.rows, told.fit.misfit, told.fit.weights)
 
 
 def placed(
@@ -100,12 +111,16 @@ def placed(
         If nothing was measured of the brain, or something cannot be where it is said to
         be.
     """
+
+    def noises(measured: Sequence[Measurement]) -> list[float]:
+        return noises_of([one.kind for one in measured], noise_mm)
+
     brain, bone = parted(body.mesh, given)
     if bone is None:
         measured = measurements_of(body, brain)
         prior = UNKNOWN if rigid_offset else None
-        return Placed(measured, noises_of(measured, noise_mm), None, prior)
-    told = bone_offset(bone, noises_of([bone], noise_mm)[0])
+        return Placed(measured, noises(measured), None, prior)
+    told = bone_offset(bone, noises_of([KIND], noise_mm)[0])
     measured = measurements_of(body, [moved(one, told.motion.undone) for one in brain])
     prior = told.prior_about(middle_of(measured))
-    return Placed(measured, noises_of(measured, noise_mm), told, prior)
+    return Placed(measured, noises(measured), told, prior)

@@ -4,14 +4,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from meshes import block_mesh
 from physgnn.geometry.measured import BonePoints
 from physgnn.registration.fit import bone_fit_of
 from physgnn.registration.inference.bone_offset import BoneOffset, bone_offset
-from physgnn.registration.measurements.bone import MeasuredBone
 
 NOISE = 0.5
-SIDE = 100.0
 # around a block of 100 mm
 AROUND = np.array(
     [
@@ -26,10 +23,6 @@ AROUND = np.array(
 PLACES = np.array([[50.0, 50, 100], [20, 70, 90], [60, 40, 30]])
 
 
-def seen(source: np.ndarray, target: np.ndarray) -> MeasuredBone:
-    return MeasuredBone(block_mesh(2, side=SIDE), BonePoints(source, target))
-
-
 def motion(seed: int, mm: float = 8.0, radians: float = 0.1):
     rng = np.random.default_rng(seed)
     turn = Rotation.from_rotvec(radians * rng.normal(size=3))
@@ -41,14 +34,14 @@ def noisy(seed: int, count: int = 6) -> tuple[BoneOffset, np.ndarray]:
     """An offset from noisy points, and where places truly are with it."""
     move, rng = motion(seed), np.random.default_rng(seed + 1000)
     target = move(AROUND[:count]) + NOISE * rng.normal(size=(count, 3))
-    return bone_offset(seen(AROUND[:count], target), NOISE), move(PLACES)
+    return bone_offset(BonePoints(AROUND[:count], target), NOISE), move(PLACES)
 
 
 @pytest.mark.parametrize("count", [3, 6])
 @pytest.mark.parametrize("radians", [0.0, 0.02, 0.4])
 def test_exact_points_tell_the_exact_motion(count: int, radians: float) -> None:
     move = motion(1, radians=radians)
-    found = bone_offset(seen(AROUND[:count], move(AROUND[:count])), NOISE)
+    found = bone_offset(BonePoints(AROUND[:count], move(AROUND[:count])), NOISE)
     np.testing.assert_allclose(found.motion(PLACES), move(PLACES), atol=1e-9)
     np.testing.assert_allclose(found.motion.undone(move(PLACES)), PLACES, atol=1e-9)
     fit = bone_fit_of(found)
@@ -89,11 +82,11 @@ def test_swapped_and_stray_points_are_named() -> None:
         move, rng = motion(seed), np.random.default_rng(seed)
         target = move(AROUND) + NOISE * rng.normal(size=AROUND.shape)
         target[2] += 15.0 * rng.normal(size=3)
-        found = bone_offset(seen(AROUND, target), NOISE)
+        found = bone_offset(BonePoints(AROUND, target), NOISE)
         named += np.flatnonzero(found.fit.outliers).tolist() == [2]
         assert not [*bone_fit_of(found).contradictions()]
         target[[0, 1]] = target[[1, 0]]
-        found = bone_offset(seen(AROUND, target), NOISE)
+        found = bone_offset(BonePoints(AROUND, target), NOISE)
         assert found.fit.outliers[:3].all()
         assert [*bone_fit_of(found).contradictions()]  # half of them are bad
     assert named >= 19
@@ -102,7 +95,7 @@ def test_swapped_and_stray_points_are_named() -> None:
 def test_a_line_does_not_tell_a_turn_about_it_and_says_so() -> None:
     line = AROUND[0] + np.linspace(0.0, 1.0, 3)[:, None] * [0.0, 60.0, 10.0]
     move = motion(2, radians=0.05)
-    found = bone_offset(seen(line, move(line)), NOISE)
+    found = bone_offset(BonePoints(line, move(line)), NOISE)
     np.testing.assert_allclose(found.motion(line), move(line), atol=1e-9)
     assert "across" in " ".join(bone_fit_of(found).too_few())
     root = found.prior_about(PLACES[0]).axes
@@ -111,12 +104,12 @@ def test_a_line_does_not_tell_a_turn_about_it_and_says_so() -> None:
 
 def test_one_point_tells_a_translation_and_says_so() -> None:
     away = np.array([1.0, 2.0, 3.0])
-    found = bone_offset(seen(AROUND[:1], AROUND[:1] + away), NOISE)
+    found = bone_offset(BonePoints(AROUND[:1], AROUND[:1] + away), NOISE)
     np.testing.assert_allclose(found.motion(PLACES), PLACES + away)
     assert "at least 3" in " ".join(bone_fit_of(found).too_few())
 
 
 def test_points_that_no_rigid_motion_meets_contradict_each_other() -> None:
     stretched = 1.1 * (AROUND - PLACES[0]) + PLACES[0]
-    fit = bone_fit_of(bone_offset(seen(AROUND, stretched), NOISE))
+    fit = bone_fit_of(bone_offset(BonePoints(AROUND, stretched), NOISE))
     assert [*fit.contradictions()]

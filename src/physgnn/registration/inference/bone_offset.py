@@ -13,8 +13,7 @@ the prior of the offset in the search: the brain cannot bend what the bone says.
 """
 
 from collections.abc import Sequence
-from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, islice
 
 import numpy as np
@@ -22,6 +21,7 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import multivariate_normal
 
 from physgnn.arrays import FloatArray
+from physgnn.geometry.measured import BonePoints
 from physgnn.prediction.measured_evidence import (
     FEWEST_BONE_POINTS,
     LEAST_SPREAD_MM,
@@ -46,7 +46,6 @@ from physgnn.registration.inference.rigid_offset import (
     probabilities_of,
 )
 from physgnn.registration.inference.rows import MeasuredRows, turning
-from physgnn.registration.measurements.bone import MeasuredBone
 
 MOST = 1000  # threes of bone points looked at: all there are of up to nineteen
 
@@ -115,8 +114,8 @@ class BoneOffset:
 
     Attributes
     ----------
-    bone : MeasuredBone
-        The points.
+    bone : BonePoints
+        What was measured.
     motion : RigidMotion
         From the scan to where the navigation finds it.
     rows : MeasuredRows
@@ -125,17 +124,15 @@ class BoneOffset:
         Of these: its mean is nearly zero.
     """
 
-    bone: MeasuredBone
+    bone: BonePoints
     motion: RigidMotion
     rows: MeasuredRows
     fit: RobustFit
 
     @property
-    def in_scan(self) -> MeasuredBone:
+    def in_scan(self) -> BonePoints:
         """The points, found without the offset."""
-        found = copy(self.bone)
-        found.measured = self.motion.undone(found.measured)
-        return found
+        return replace(self.bone, target=self.motion.undone(self.bone.target))
 
     @property
     def misfit_mm(self) -> float:
@@ -203,17 +200,17 @@ class BoneOffset:
         return np.array(found)
 
 
-def bone_offset(bone: MeasuredBone, noise_mm: float) -> BoneOffset:
+def bone_offset(bone: BonePoints, noise_mm: float) -> BoneOffset:
     """Return the offset that points of the bone tell of.
 
     Parameters
     ----------
-    bone : MeasuredBone
+    bone : BonePoints
         The points.
     noise_mm : float
         Standard deviation of each coordinate of their displacement.
     """
-    every = np.ones(len(bone.points))
+    every = np.ones(len(bone.source))
     begun = [(every, scales) for scales in STARTS]
     if len(every) > FEWEST_BONE_POINTS:
         begun.append((_weights_of_three(bone, noise_mm), STARTS[-1]))
@@ -222,19 +219,19 @@ def bone_offset(bone: MeasuredBone, noise_mm: float) -> BoneOffset:
     return max(found, key=lambda one: log_density(one.rows, variances, one.fit))
 
 
-def _weights_of_three(bone: MeasuredBone, noise_mm: float) -> FloatArray:
+def _weights_of_three(bone: BonePoints, noise_mm: float) -> FloatArray:
     """Return the weights by the three points that the others agree with best.
 
     Of a handful of points two that are swapped bend every fit to all (random sample
     consensus: Fischler & Bolles, Communications of the ACM 24, 1981, 381-395; here
     every three, as far as they are not too many).
     """
-    n = len(bone.points)
+    n = len(bone.source)
     best = np.inf
     for some in islice(combinations(np.random.default_rng(0).permutation(n), 3), MOST):
         of = list(some)
-        motion = best_motion(bone.points[of], bone.measured[of], np.ones(3))
-        away = (motion.undone(bone.measured) - bone.points) / noise_mm
+        motion = best_motion(bone.source[of], bone.target[of], np.ones(3))
+        away = (motion.undone(bone.target) - bone.source) / noise_mm
         cost = float(np.log1p((away**2).sum(axis=1) / NU).sum())
         if cost < best:
             best, weights = cost, student_weights((away**2).ravel(), ((n, 3),))
@@ -242,7 +239,7 @@ def _weights_of_three(bone: MeasuredBone, noise_mm: float) -> FloatArray:
 
 
 def _descended(
-    bone: MeasuredBone, noise_mm: float, weights: FloatArray, scales: Sequence[float]
+    bone: BonePoints, noise_mm: float, weights: FloatArray, scales: Sequence[float]
 ) -> BoneOffset:
     """Return the offset after these scales of the noise, one after the other."""
     for scale in scales:
@@ -253,17 +250,17 @@ def _descended(
 
 
 def _weighted(
-    bone: MeasuredBone, noise_mm: float, weights: FloatArray, scale: float
+    bone: BonePoints, noise_mm: float, weights: FloatArray, scale: float
 ) -> BoneOffset:
     """Return the offset with these weights, and the weights that follow from it.
 
     Where points tell nothing, the tracker may be misplaced.
     """
-    motion = best_motion(bone.points, bone.measured, weights)
-    back = motion.undone(bone.measured)
+    motion = best_motion(bone.source, bone.target, weights)
+    back = motion.undone(bone.target)
     axes = np.tile(np.eye(3), (len(back), 1, 1))
     A = turning(axes, back - motion.centre_mm)
-    d = (back - bone.points).ravel()
+    d = (back - bone.source).ravel()
     rows = MeasuredRows(
         A / noise_mm, d / noise_mm, np.full(len(d), noise_mm), ((len(back), 3),)
     )

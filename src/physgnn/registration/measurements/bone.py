@@ -17,8 +17,11 @@ FARTHEST_MM = 200.0
 LARGEST_OFFSET_MM = 50.0
 
 
-class MeasuredBone:
-    """Points of the bone, in the scan and where the navigation finds them.
+KIND = "bone"
+
+
+def check_bone(mesh: TetMesh, bone: BonePoints) -> None:
+    """Check that points can be of bone, in the scan and as the navigation finds them.
 
     Parameters
     ----------
@@ -31,25 +34,19 @@ class MeasuredBone:
     ------
     InputError
         If they are in another unit than the brain, inside of it or too far from it, or
-        the two ends of most pairs are more than 50 mm apart.
+        the two ends of half of the pairs are more than 50 mm apart.
     """
-
-    kind = "bone"
-
-    def __init__(self, mesh: TetMesh, bone: BonePoints) -> None:
-        surface = mesh.points[boundary_points(mesh)]
-        check_same_units(bone.source, surface, "bone points")
-        _check_places(mesh, bone)
-        apart = float(np.median(np.linalg.norm(bone.displacement, axis=1)))
-        if apart > LARGEST_OFFSET_MM:
-            raise InputError(
-                "bone points must be found near to where the scan has them (half of "
-                f"them are {apart:.0f} mm or more away, at most "
-                f"{LARGEST_OFFSET_MM:g} mm): check axes (RAS), units (mm) and "
-                "--initial-transform"
-            )
-        self.labels = bone.labels
-        self.points, self.measured = bone.source, bone.target
+    surface = mesh.points[boundary_points(mesh)]
+    check_same_units(bone.source, surface, "bone points")
+    _check_places(mesh, bone)
+    apart = float(np.median(np.linalg.norm(bone.displacement, axis=1)))
+    if apart > LARGEST_OFFSET_MM:
+        raise InputError(
+            "bone points must be found near to where the scan has them (half of "
+            f"them are {apart:.0f} mm or more away, at most "
+            f"{LARGEST_OFFSET_MM:g} mm): check axes (RAS), units (mm) and "
+            "--initial-transform"
+        )
 
 
 def _check_places(mesh: TetMesh, bone: BonePoints) -> None:

@@ -5,7 +5,7 @@ To add one, write a class with the attributes of `Measurement` and a row.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
@@ -20,7 +20,7 @@ from physgnn.geometry.measured import (
 from physgnn.geometry.plausibility import check_same_units
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
-from physgnn.registration.measurements.bone import MeasuredBone
+from physgnn.registration.measurements.bone import check_bone
 from physgnn.registration.measurements.observation import Measurement
 from physgnn.registration.measurements.points import (
     measured_landmarks,
@@ -83,7 +83,7 @@ def measurements_of(
 
 def parted(
     mesh: TetMesh, given: Given | Sequence[Given]
-) -> tuple[list[Measured], MeasuredBone | None]:
+) -> tuple[list[Measured], BonePoints | None]:
     """Return what was measured of the brain, and of the bone.
 
     Raises
@@ -95,8 +95,10 @@ def parted(
     bone = [one for one in every if isinstance(one, BonePoints)]
     if len(bone) > 1:
         raise InputError(f"give all bone points as one (got {len(bone)} lists of them)")
+    for one in bone:
+        check_bone(mesh, one)
     brain = [one for one in every if not isinstance(one, BonePoints)]
-    return brain, MeasuredBone(mesh, bone[0]) if bone else None
+    return brain, bone[0] if bone else None
 
 
 def moved(measured: Measured, to: Callable[[FloatArray], FloatArray]) -> Measured:
@@ -122,19 +124,13 @@ def _check_units(mesh: TetMesh, measured: Measured) -> None:
         check_same_units(measured.points, surface, "measured surface")
 
 
-class Named(Protocol):
-    """Anything of a kind, such as a `Measurement` or a `MeasuredBone`."""
-
-    kind: str
-
-
-def noises_of(measurements: Sequence[Named], noise_mm: Noise) -> list[float]:
+def noises_of(kinds: Sequence[str], noise_mm: Noise) -> list[float]:
     """Return the noise of each measurement, mm.
 
     Parameters
     ----------
-    measurements : sequence of Measurement
-        Everything measured.
+    kinds : sequence of str
+        Of everything measured.
     noise_mm : float or mapping
         Of all, or of each kind by its name; 1 mm where it is not named.
 
@@ -144,10 +140,10 @@ def noises_of(measurements: Sequence[Named], noise_mm: Noise) -> list[float]:
         If one is not in (0, 20] mm, of a kind that was not measured either.
     """
     if not isinstance(noise_mm, Mapping):
-        noise_mm = {one.kind: noise_mm for one in measurements}
+        noise_mm = dict.fromkeys(kinds, noise_mm)
     for kind, noise in noise_mm.items():
         if not 0 < noise <= LARGEST_NOISE_MM:
             raise InputError(
                 f"noise_mm of {kind} must be in (0, {LARGEST_NOISE_MM:g}] (got {noise})"
             )
-    return [float(noise_mm.get(one.kind, DEFAULT_NOISE_MM)) for one in measurements]
+    return [float(noise_mm.get(kind, DEFAULT_NOISE_MM)) for kind in kinds]

@@ -6,7 +6,7 @@ import { download } from "./save.js";
 const MIDDLE_RADIUS_MM = 30;
 const MOST_MISFITS = 60; // in the table; the rest is in the file
 const GUESSES = [[/before|source|preop/i, "before"], [/after|target|intraop/i, "after"]];
-const INSIDE = /landmark|ultrasound/i;
+const KINDS = [[/landmark|ultrasound/i, "landmarks"], [/bone|skull|divot/i, "bone"]];
 const POINTS = [".csv", ".fcsv", ".tag", ".mrk.json"];
 const TRANSFORMS = [".txt", ".tfm", ".h5"];
 const SCANS = [".nii", ".nii.gz", ".nrrd", ".mha", ".mgz"];
@@ -124,7 +124,8 @@ export class Patient {
     if (ends(SCANS)) return "intraoperative";
     if (!ends(POINTS)) return "surface";
     const when = GUESSES.find(([words]) => words.test(name))?.[1];
-    if (INSIDE.test(name)) return when ? `landmarks ${when}` : "landmarks";
+    const kind = KINDS.find(([words]) => words.test(name))?.[1];
+    if (kind) return when ? `${kind} ${when}` : kind;
     return when ?? "pairs";
   }
 
