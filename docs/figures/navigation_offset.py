@@ -6,7 +6,7 @@ import matplotlib as mpl
 import numpy as np
 
 from physgnn.geometry.measured import BonePoints
-from physgnn.registration.inference.bone_offset import bone_offset
+from physgnn.registration.inference.bone_offset import offset_from_bone
 
 mpl.use("Agg")
 mpl.rcParams["svg.hashsalt"] = "physgnn"
@@ -28,7 +28,7 @@ for name, points in (
     ("3, around the craniotomy", ring(3, RADIUS_MM)),
     ("6, around the craniotomy", ring(6, RADIUS_MM)),
 ):
-    found = bone_offset(BonePoints(points, points), NOISE_MM)
+    found = offset_from_bone(BonePoints(points, points), NOISE_MM)
     roots = [found.prior_about(np.array([0.0, 0.0, -z])).axes for z in depth]
     spread = [np.sqrt(np.trace((root @ root.T)[:3, :3])) for root in roots]
     axes.plot(depth, spread, label=name)

@@ -21,7 +21,7 @@ from physgnn.geometry.measured import BonePoints
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.prediction import PredictionStatus
 from physgnn.registration.measurements.bone import check_bone
-from physgnn.registration.measurements.kinds import Given, moved
+from physgnn.registration.measurements.kinds import AnyMeasured, moved
 from physgnn.registration.registrar import Registrar
 from physgnn.registration.result import Registration
 
@@ -65,6 +65,8 @@ def test_a_tracker_that_is_off_costs_nothing(
         found.prediction.displacement, clean.prediction.displacement, atol=1e-4
     )
     assert found.offset.corrected and found.offset.probability > 0.99
+    left = found.offset.undone(RIM + np.array(way)) - RIM
+    assert np.abs(left).max() < 1.5  # about three times the noise of a point
     known = np.abs(found.offset.translation_mm - way) / found.offset.deviation_mm
     assert known.max() < 3.5
     assert not (wrong(found, u) and found.prediction.status.usable)
@@ -94,7 +96,7 @@ def test_a_rigid_motion_of_everything_measured_changes_nothing(
     def to(points: np.ndarray) -> np.ndarray:
         return turn.apply(points - middle) + middle + [6.0, -9.0, 4.0]
 
-    given: list[Given] = [
+    given: list[AnyMeasured] = [
         measured(body, u, 1), seen_inside(body, u, 1), seen_surface(body, u, 1)
     ]  # fmt: skip
     here = registrar([*given, bone(1)], noise_mm=NOISES)

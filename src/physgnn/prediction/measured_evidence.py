@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from physgnn.arrays import FloatArray
 
@@ -59,6 +60,13 @@ class RigidOffset:
     def turn_deg(self) -> float:
         """Angle of the rotation."""
         return float(np.linalg.norm(self.rotation_deg))
+
+    def undone(self, points: FloatArray) -> FloatArray:
+        """Return where places (n, 3) are that the navigation finds at points, mm."""
+        turn = Rotation.from_rotvec(np.deg2rad(self.rotation_deg))
+        back = turn.inv().apply(points - self.centre_mm - self.translation_mm)
+        found: FloatArray = back + self.centre_mm
+        return found
 
     def __str__(self) -> str:
         done = "corrected" if self.corrected else f"{self.probability:.0%} probable"

@@ -42,12 +42,12 @@ from physgnn.registration.inference.search import Reached, Search
 from physgnn.registration.load_families import load_modes
 from physgnn.registration.measurements.kinds import (
     DEFAULT_NOISE_MM,
-    Given,
+    AnyMeasured,
     Noise,
 )
 from physgnn.registration.misfits import rms_length
 from physgnn.registration.mode_response import ModeResponse
-from physgnn.registration.placed import Placed, placed
+from physgnn.registration.placement import Placed, placed
 from physgnn.registration.result import Registration
 from physgnn.registration.skull import SUPPORTS, with_membranes
 from physgnn.registration.tangent_response import TangentResponse
@@ -106,7 +106,7 @@ class Registrar:
 
     def __call__(
         self,
-        measured: Given | Sequence[Given],
+        measured: AnyMeasured | Sequence[AnyMeasured],
         *,
         noise_mm: Noise = DEFAULT_NOISE_MM,
         rigid_offset: bool = False,

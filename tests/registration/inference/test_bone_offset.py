@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from physgnn.geometry.measured import BonePoints
 from physgnn.registration.fit import bone_fit_of
-from physgnn.registration.inference.bone_offset import BoneOffset, bone_offset
+from physgnn.registration.inference.bone_offset import BoneOffset, offset_from_bone
 
 NOISE = 0.5
 # around a block of 100 mm
@@ -34,14 +34,14 @@ def noisy(seed: int, count: int = 6) -> tuple[BoneOffset, np.ndarray]:
     """An offset from noisy points, and where places truly are with it."""
     move, rng = motion(seed), np.random.default_rng(seed + 1000)
     target = move(AROUND[:count]) + NOISE * rng.normal(size=(count, 3))
-    return bone_offset(BonePoints(AROUND[:count], target), NOISE), move(PLACES)
+    return offset_from_bone(BonePoints(AROUND[:count], target), NOISE), move(PLACES)
 
 
 @pytest.mark.parametrize("count", [3, 6])
 @pytest.mark.parametrize("radians", [0.0, 0.02, 0.4])
 def test_exact_points_tell_the_exact_motion(count: int, radians: float) -> None:
     move = motion(1, radians=radians)
-    found = bone_offset(BonePoints(AROUND[:count], move(AROUND[:count])), NOISE)
+    found = offset_from_bone(BonePoints(AROUND[:count], move(AROUND[:count])), NOISE)
     np.testing.assert_allclose(found.motion(PLACES), move(PLACES), atol=1e-9)
     np.testing.assert_allclose(found.motion.undone(move(PLACES)), PLACES, atol=1e-9)
     fit = bone_fit_of(found)
@@ -82,11 +82,11 @@ def test_swapped_and_stray_points_are_named() -> None:
         move, rng = motion(seed), np.random.default_rng(seed)
         target = move(AROUND) + NOISE * rng.normal(size=AROUND.shape)
         target[2] += 15.0 * rng.normal(size=3)
-        found = bone_offset(BonePoints(AROUND, target), NOISE)
+        found = offset_from_bone(BonePoints(AROUND, target), NOISE)
         named += np.flatnonzero(found.fit.outliers).tolist() == [2]
         assert not [*bone_fit_of(found).contradictions()]
         target[[0, 1]] = target[[1, 0]]
-        found = bone_offset(BonePoints(AROUND, target), NOISE)
+        found = offset_from_bone(BonePoints(AROUND, target), NOISE)
         assert found.fit.outliers[:3].all()
         assert [*bone_fit_of(found).contradictions()]  # half of them are bad
     assert named >= 19
@@ -95,7 +95,7 @@ def test_swapped_and_stray_points_are_named() -> None:
 def test_a_line_does_not_tell_a_turn_about_it_and_says_so() -> None:
     line = AROUND[0] + np.linspace(0.0, 1.0, 3)[:, None] * [0.0, 60.0, 10.0]
     move = motion(2, radians=0.05)
-    found = bone_offset(BonePoints(line, move(line)), NOISE)
+    found = offset_from_bone(BonePoints(line, move(line)), NOISE)
     np.testing.assert_allclose(found.motion(line), move(line), atol=1e-9)
     assert "across" in " ".join(bone_fit_of(found).too_few())
     root = found.prior_about(PLACES[0]).axes
@@ -104,12 +104,12 @@ def test_a_line_does_not_tell_a_turn_about_it_and_says_so() -> None:
 
 def test_one_point_tells_a_translation_and_says_so() -> None:
     away = np.array([1.0, 2.0, 3.0])
-    found = bone_offset(BonePoints(AROUND[:1], AROUND[:1] + away), NOISE)
+    found = offset_from_bone(BonePoints(AROUND[:1], AROUND[:1] + away), NOISE)
     np.testing.assert_allclose(found.motion(PLACES), PLACES + away)
     assert "at least 3" in " ".join(bone_fit_of(found).too_few())
 
 
 def test_points_that_no_rigid_motion_meets_contradict_each_other() -> None:
     stretched = 1.1 * (AROUND - PLACES[0]) + PLACES[0]
-    fit = bone_fit_of(bone_offset(BonePoints(AROUND, stretched), NOISE))
+    fit = bone_fit_of(offset_from_bone(BonePoints(AROUND, stretched), NOISE))
     assert [*fit.contradictions()]

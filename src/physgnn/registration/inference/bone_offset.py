@@ -200,7 +200,7 @@ class BoneOffset:
         return np.array(found)
 
 
-def bone_offset(bone: BonePoints, noise_mm: float) -> BoneOffset:
+def offset_from_bone(bone: BonePoints, noise_mm: float) -> BoneOffset:
     """Return the offset that points of the bone tell of.
 
     Parameters

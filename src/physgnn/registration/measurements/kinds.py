@@ -32,7 +32,7 @@ from physgnn.registration.measurements.surfaces import (
 )
 
 Measured = PointPairs | Landmarks | SurfacePoints | WholeSurface
-Given = Measured | BonePoints
+AnyMeasured = Measured | BonePoints
 Noise = float | Mapping[str, float]
 LARGEST_NOISE_MM = 20.0
 DEFAULT_NOISE_MM = 1.0
@@ -82,7 +82,7 @@ def measurements_of(
 
 
 def parted(
-    mesh: TetMesh, given: Given | Sequence[Given]
+    mesh: TetMesh, given: AnyMeasured | Sequence[AnyMeasured]
 ) -> tuple[list[Measured], BonePoints | None]:
     """Return what was measured of the brain, and of the bone.
 

@@ -6,6 +6,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from physgnn.geometry.image import Image
 from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
@@ -33,7 +35,9 @@ def registered_case(
     from physgnn.evaluation.registration_page.case import RegisteredCase
     from physgnn.evaluation.registration_page.places import measured_places
 
-    places = measured_places(mesh, found.prediction.displacement, measured)
+    u, offset = found.prediction.displacement, found.offset
+    undone = offset.undone if offset.corrected else np.asarray
+    places = measured_places(mesh, u, measured, undone)
     # of a large surface some points were used, which have no names
     if len(places) == len(found.misfits):
         places = tuple(

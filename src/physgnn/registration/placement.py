@@ -7,14 +7,14 @@ from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.prediction.measured_evidence import BoneFit, RigidOffset
 from physgnn.registration.fit import bone_fit_of
-from physgnn.registration.inference.bone_offset import BoneOffset, bone_offset
+from physgnn.registration.inference.bone_offset import BoneOffset, offset_from_bone
 from physgnn.registration.inference.bounds import Alternative
 from physgnn.registration.inference.rigid_offset import UNKNOWN, OffsetPrior
 from physgnn.registration.inference.rows import middle_of
 from physgnn.registration.inference.search import Search
 from physgnn.registration.measurements.bone import KIND
 from physgnn.registration.measurements.kinds import (
-    Given,
+    AnyMeasured,
     Noise,
     measurements_of,
     moved,
@@ -91,7 +91,7 @@ class Placed:
 
 def placed(
     body: Body,
-    given: Given | Sequence[Given],
+    given: AnyMeasured | Sequence[AnyMeasured],
     noise_mm: Noise,
     *,
     rigid_offset: bool,
@@ -120,7 +120,7 @@ def placed(
         measured = measurements_of(body, brain)
         prior = UNKNOWN if rigid_offset else None
         return Placed(measured, noises(measured), None, prior)
-    told = bone_offset(bone, noises_of([KIND], noise_mm)[0])
+    told = offset_from_bone(bone, noises_of([KIND], noise_mm)[0])
     measured = measurements_of(body, [moved(one, told.motion.undone) for one in brain])
     prior = told.prior_about(middle_of(measured))
     return Placed(measured, noises(measured), told, prior)
