@@ -16,7 +16,7 @@ from physgnn.registration.inference.rows import MeasuredRows
 
 
 class Labelled(Protocol):
-    """What was measured of some kind, such as a `Measurement`."""
+    """What was measured of some kind, such as places of pairs or of the bone."""
 
     @property
     def kind(self) -> str: ...  # noqa: D102

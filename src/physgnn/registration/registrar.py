@@ -123,7 +123,7 @@ class Registrar:
             Points of the surface or inside before and after, where the exposed or the
             whole surface lies (a row each of
             `physgnn.registration.measurements.kinds.KINDS`). Among several may be
-            `BonePoints`, which tell the offset of the navigation: it is corrected.
+            bone points, which tell the offset of the navigation: it is corrected.
         noise_mm : float or mapping
             Standard deviation of each coordinate of a measured displacement or point,
             in (0, 20]; of each kind by its name ("pairs", "landmarks", "surface",
