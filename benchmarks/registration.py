@@ -31,7 +31,8 @@ from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
 from physgnn.registration.measurements.surfaces import N_SURFACE_POINTS
-from physgnn.registration.registrar import Registrar, Registration
+from physgnn.registration.registrar import Registrar
+from physgnn.registration.result import Registration
 from shifts import EXPOSED_MM, Truth, held
 
 NEAR_MM, N_SKULL, ICP_STEPS = 50.0, 60, 30

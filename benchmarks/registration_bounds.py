@@ -7,7 +7,8 @@ The truth is of `benchmarks/shifts.py`: a finer mesh, other tissue, other loads.
 shift is measured five ways (`KINDS`): 40 pairs on the surface, 2000 points of it, 15
 landmarks inside, the whole surface, and the first three together; and each of these as
 it is or badly (`CONDITIONS`): a tenth of the points 15 mm off in a random direction,
-two swapped, all of them 3 mm and 1.5° off as a whole, which is corrected. Noise is 0.5
+two swapped, all of them 3 mm and 1.5° off as a whole, which is corrected; so too "bone"
+and "bone and outliers", where 6 points of the bone tell the offset. Noise is 0.5
 to 1 mm a coordinate, of which the registration is told the middle. A surface has no
 points to swap.
 
@@ -33,7 +34,7 @@ from physgnn.arrays import FloatArray
 from physgnn.geometry.measured import PointPairs, SurfacePoints, WholeSurface
 from physgnn.registration.inference.bounds import factors_of
 from registration import TOLD_MM, Compared
-from shifts import Case, Truth
+from shifts import BONE_NOISE_MM, Case, Truth
 from tables import machine, table
 
 Measured = PointPairs | SurfacePoints | WholeSurface
@@ -120,20 +121,34 @@ CONDITIONS = {
     "outliers": outliers,
     "swapped": swapped,
     "offset": offset,
+    "bone": clean,
+    "bone and outliers": outliers,
 }
+WITH_BONE = ("bone", "bone and outliers")
+
+
+def correction_of(name: str) -> str:
+    """Return how an offset is corrected where things are measured so."""
+    return "by bone" if name in WITH_BONE else "estimated" if name == "offset" else "no"
 
 
 def registered(body: Compared, kind: str, name: str, case: Case, seed: int) -> dict:
     """Return the errors of one registration and what it said of them."""
     given = measured(case, KINDS[kind])
-    spoilt = CONDITIONS[name](given, np.random.default_rng(seed + 10_000))
-    found = body.registrar(spoilt, noise_mm=TOLD_MM, rigid_offset=name == "offset")
+    rng = np.random.default_rng(seed + 10_000)
+    if name in WITH_BONE:
+        both = offset([*given, case.bone], rng)
+        spoilt = [*CONDITIONS[name](both[:-1], rng), both[-1]]
+    else:
+        spoilt = CONDITIONS[name](given, rng)
+    noise = {**dict.fromkeys(KINDS, TOLD_MM), "bone": BONE_NOISE_MM}
+    found = body.registrar(spoilt, noise_mm=noise, rigid_offset=name == "offset")
     there = body.at_truth(found.prediction.displacement)
     error = np.linalg.norm(there - case.displacement, axis=1)
     bound = found.prediction.error_estimate_mm
     assert bound is not None
     skull = body.registrar.skull
-    corrected = name == "offset"
+    corrected = correction_of(name)
     factors = factors_of(list(KINDS[kind]), skull=skull, corrected=corrected)
     of_mean, of_largest = factors.of_mean, factors.of_largest
     return {
@@ -199,7 +214,8 @@ def main() -> None:
     parser.add_argument("--skull", choices=("fixed", "sliding"), default="fixed")
     parser.add_argument("--causes", choices=("default", "none"), default="default")
     parser.add_argument("--kinds", default=",".join(KINDS))
-    parser.add_argument("--conditions", default=",".join(CONDITIONS))
+    usual = [name for name in CONDITIONS if name not in WITH_BONE]
+    parser.add_argument("--conditions", default=",".join(usual))
     options = parser.parse_args()
     print(machine())
     skull, log = options.skull, Log(options.log)

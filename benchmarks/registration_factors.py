@@ -15,18 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from registration_bounds import held, mistakes
+from registration_bounds import correction_of, held, mistakes
 from tables import table
 
 Records = list[dict[str, Any]]
 
 
-def group_of(record: dict[str, Any]) -> tuple[str, str, bool]:
+def group_of(record: dict[str, Any]) -> tuple[str, str, str]:
     skull, kind, name = record["what"].split(", ")
-    return skull, "several" if kind == "all" else kind, name == "offset"
+    return skull, "several" if kind == "all" else kind, correction_of(name)
 
 
-def factors(records: Records) -> dict[tuple[str, str, bool], tuple[float, ...]]:
+def factors(records: Records) -> dict[tuple[str, str, str], tuple[float, ...]]:
     """Return the factors of the mean and the largest error of every group."""
     ratios = defaultdict(list)
     for r in records:

@@ -5,7 +5,8 @@
 The shifts are those of `benchmarks/shifts.py`. Each is measured well, and then badly in
 every way of `BAD`: too few points, one point many times, points in a line or a cluster,
 pairs swapped or gone astray, a tracker that moved, a surface far away or in other
-units, a noise stated far too small.
+units, a noise stated far too small. What a tracker may have moved is measured once more
+with 6 points of the bone around the craniotomy, of 0.5 mm of noise.
 
 A registration is *wrong* if its largest error is above its bound. Counted are the
 registrations that are wrong and called usable, and those that are right and flagged;
@@ -24,14 +25,16 @@ import numpy as np
 from held_out import Log
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
-from physgnn.geometry.measured import PointPairs, SurfacePoints
+from physgnn.geometry.measured import BonePoints, PointPairs, SurfacePoints
 from physgnn.prediction import PredictionStatus
 from registration import TOLD_MM, Compared
-from shifts import Case, Truth
+from shifts import BONE_NOISE_MM, N_BONE, Case, Truth
 from tables import machine, table
 
 Measured = PointPairs | SurfacePoints
+Given = Measured | list[Measured | BonePoints]
 USUAL = 40  # pairs, of the 50 there are
+LINE_MM = 20.0  # of bone points in one
 STRAY_MM = 15.0  # each coordinate of a bad point
 
 
@@ -102,6 +105,27 @@ def scaled(by: float, case: Case) -> Measured:
     return SurfacePoints(case.surface.points * by)
 
 
+def with_bone(way: Callable[[Case], Measured], case: Case) -> Given:
+    """Add points of the bone, off by as much as the tracker is."""
+    arguments = way.args if isinstance(way, partial) else ()
+    off = len(arguments) == 2  # how far, and where to
+    offset = arguments[0] * _direction(case, arguments[1]) if off else np.zeros(3)
+    return [way(case), BonePoints(case.bone.source, case.bone.target + offset)]
+
+
+def bone_swapped(case: Case) -> Given:
+    target = case.bone.target[[1, 0, *range(2, N_BONE)]]
+    return [case.pairs, BonePoints(case.bone.source, target)]
+
+
+def bone_in_a_line(case: Case) -> Given:
+    first, second = case.bone.source[:2]
+    along = (second - first) / np.linalg.norm(second - first)
+    line = first + np.linspace(0.0, LINE_MM, 3)[:, None] * along
+    noise = case.bone.displacement[:3]
+    return [case.pairs, BonePoints(line, line + noise)]
+
+
 GOOD: Mapping[str, Callable[[Case], Measured]] = {
     "50 pairs": lambda case: case.pairs,
     "20 pairs": partial(first, 20),
@@ -130,11 +154,19 @@ BAD: Mapping[str, Callable[[Case], Measured]] = {
 }
 NOISE_TOLD_MM = {"noise stated 10 times too small": 0.1 * TOLD_MM}
 STILL = ("tracker moved 8 mm, out", "tracker moved 8 mm, aside")
+WITH_BONE = f", {N_BONE} bone points"
+"""After the name of a way: the same with them."""
+CHECKED = (*GOOD, *(name for name in BAD if " off, " in name or "tracker" in name))
+BAD_BONE: Mapping[str, Callable[[Case], Given]] = {
+    "50 pairs, two of 6 bone points swapped": bone_swapped,
+    "50 pairs, 3 bone points in a line": bone_in_a_line,
+}
 
 
-def measure(body: Compared, name: str, measured: Measured, truth: FloatArray) -> dict:
+def measure(body: Compared, name: str, measured: Given, truth: FloatArray) -> dict:
     """Return what one registration says and how wrong it is."""
-    noise = NOISE_TOLD_MM.get(name, TOLD_MM)
+    told = NOISE_TOLD_MM.get(name, TOLD_MM)
+    noise = {"pairs": told, "surface": told, "bone": BONE_NOISE_MM}
     try:
         found = body.registrar(measured, noise_mm=noise).prediction
     except InputError:
@@ -145,6 +177,7 @@ def measure(body: Compared, name: str, measured: Measured, truth: FloatArray) ->
         "status": found.status.name,
         "error": float(error),
         "bound": found.error_estimate_mm.max_mm,
+        "moved": float(np.linalg.norm(found.displacement, axis=1).max()),
         "reasons": list(found.reasons),
     }
 
@@ -166,9 +199,19 @@ def row(name: str, records: list[dict[str, Any]]) -> tuple[str, ...]:
 
 
 def rows(log: Log) -> Iterator[tuple[str, ...]]:
-    for name in (*GOOD, *NOISE_TOLD_MM, *BAD):
+    checked = (f"{name}{WITH_BONE}" for name in CHECKED)
+    for name in (*GOOD, *NOISE_TOLD_MM, *BAD, *checked, *BAD_BONE):
         if records := log.of(name):
             yield row(name, records)
+
+
+def all_ways() -> dict[str, Callable[[Case], Given]]:
+    """Return every way to measure a shift."""
+    alone = {**GOOD, **dict.fromkeys(NOISE_TOLD_MM, GOOD["50 pairs"]), **BAD}
+    checked = {
+        f"{name}{WITH_BONE}": partial(with_bone, alone[name]) for name in CHECKED
+    }
+    return {**alone, **checked, **BAD_BONE}
 
 
 def main() -> None:
@@ -181,13 +224,14 @@ def main() -> None:
     print(machine())
     truth, log = Truth(int(1.5 * options.points), "fixed"), Log(options.log)
     body = Compared(options.points, "fixed", truth.mesh.points, causes=None)
-    ways = {**GOOD, **dict.fromkeys(NOISE_TOLD_MM, GOOD["50 pairs"]), **BAD}
+    ways = all_ways()
     for seed in range(options.first_seed, options.first_seed + options.cases):
         missing = [n for n in ways if list(log.missing([(seed, 0)], n))]
         case = truth.case(seed) if missing else None
         for name in missing:
             assert case is not None
-            u = np.zeros_like(case.displacement) if name in STILL else case.displacement
+            still = name.removesuffix(WITH_BONE) in STILL
+            u = np.zeros_like(case.displacement) if still else case.displacement
             said = measure(body, name, ways[name](case), u)
             log.add(path=seed, level=1, what=name, **said)
     head = ("measured", "cases", "wrong", "wrong and usable", "right and flagged")

@@ -20,16 +20,20 @@ from physgnn.geometry import (
     TetMesh,
     boundary_faces,
     boundary_points,
+    boundary_surface,
     mni152_phantom,
     select,
     tetrahedralize,
 )
 from physgnn.geometry.measured import (
+    BonePoints,
     Landmarks,
     PointPairs,
     SurfacePoints,
     WholeSurface,
+    farthest_points,
 )
+from physgnn.geometry.normals import vertex_normals
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
 from physgnn.registration.skull import ALONG_MM, Support, fixed_support, sliding_support
@@ -38,6 +42,9 @@ from physgnn.registration.tangent_response import TangentResponse
 EXPOSED_MM = 30.0
 N_PAIRS, N_SURFACE, N_LANDMARKS = 50, 2000, 15
 DEEP_MM = 50.0
+N_BONE, BONE_NOISE_MM = 6, 0.5
+RIM_MM = (40.0, 60.0)  # from the middle of the craniotomy to a point of the bone
+THICK_MM = 5.0  # from the brain to it
 NOISE_MM, SHIFT_MM = (0.5, 1.0), (5.0, 12.0)
 TRUE_HELD_MM = 80.0
 BUCKLED = 1.5  # times the linear solution
@@ -60,6 +67,7 @@ class Case:
     displacement: FloatArray
     landmarks: Landmarks
     whole: WholeSurface
+    bone: BonePoints
 
 
 def _support(body: Body, skull: str) -> Support:
@@ -107,7 +115,20 @@ class Truth:
         found = seen + u[inside] + rng.normal(scale=noise, size=seen.shape)
         landmarks = Landmarks(seen, found)
         pairs, exposed = PointPairs(source, target), SurfacePoints(surface)
-        return Case(pairs, exposed, u, landmarks, self._whole(rng, u, noise))
+        whole = self._whole(rng, u, noise)
+        return Case(pairs, exposed, u, landmarks, whole, self._bone(seed))
+
+    def _bone(self, seed: int) -> BonePoints:
+        """Return points of the bone around the craniotomy, with noise."""
+        rng = np.random.default_rng(seed)  # its own: the rest is as it was without
+        outer = boundary_surface(self.mesh)
+        far = np.linalg.norm(outer.points - self.phantom.craniotomy_point, axis=1)
+        near = np.flatnonzero((far > RIM_MM[0]) & (far < RIM_MM[1]))
+        rim = rng.permutation(np.intersect1d(near, outer.faces))
+        points = outer.points[rim] + THICK_MM * vertex_normals(outer)[rim]
+        some = points[farthest_points(points, count=N_BONE)]
+        noise = rng.normal(scale=BONE_NOISE_MM, size=some.shape)
+        return BonePoints(some, some + noise)
 
     def _whole(
         self, rng: np.random.Generator, u: FloatArray, noise: float

@@ -22,7 +22,7 @@ OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9]*(?:-[a-z0-9]+)*")
 OF_A_LOAD = {"OUTSIDE_TRAINED_RANGE", "REPAIRED", "SOLVED"}
 OF_A_MEASUREMENT = {
     "TOO_FEW_POINTS", "MEASUREMENT_TOO_FAR", "MISFIT_ABOVE_NOISE", "MOVED_AS_A_WHOLE",
-    "NAVIGATION_OFFSET", "OFFSET_NOT_TOLD",
+    "NAVIGATION_OFFSET", "OFFSET_NOT_TOLD", "TOO_FEW_BONE_POINTS", "BONE_MISFIT",
 }  # fmt: skip
 NEVER = {"predict": OF_A_MEASUREMENT, "register": OF_A_LOAD}
 OF_OTHERS = {"--xml", "--returnparameterfile"}  # what 3D Slicer calls

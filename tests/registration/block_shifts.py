@@ -9,7 +9,8 @@ from physgnn.geometry.measured import Landmarks, PointPairs, SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import LoadPath, NeoHookean, RestState, Solver
 from physgnn.mechanics.body import Body
-from physgnn.registration.registrar import Registrar, Registration
+from physgnn.registration.registrar import Registrar
+from physgnn.registration.result import Registration
 
 SIDE = 100.0
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(6000.0, 0.45)}

@@ -68,6 +68,15 @@ class Landmarks(PointPairs):
     fewest: ClassVar[int] = 1
 
 
+class BonePoints(PointPairs):
+    """Pairs of points that cannot move with a brain: on the skull, or fixed to it.
+
+    Where they are in the scan, and where the navigation finds them now.
+    """
+
+    fewest: ClassVar[int] = 1
+
+
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
     """Points of the exposed surface after a shift, in no order.

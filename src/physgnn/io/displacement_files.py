@@ -25,6 +25,7 @@ from physgnn.io.medical.images.nifti import SUFFIXES
 from physgnn.io.medical.transforms import write_field
 from physgnn.io.vtk.prediction_file import (
     DISPLACEMENT,
+    NAVIGATION,
     REASONS,
     STATUS,
     write_deformed,
@@ -52,6 +53,8 @@ class DisplacementFields:
         Why it is not ok, a line each.
     removed : TetMesh, optional
         Tissue that was taken out of the body, at rest.
+    navigation : tuple of str
+        What is known of the navigation that it was measured with, a line each.
     """
 
     mesh: TetMesh
@@ -60,6 +63,7 @@ class DisplacementFields:
     status: str = ""
     reasons: tuple[str, ...] = ()
     removed: TetMesh | None = None
+    navigation: tuple[str, ...] = ()
 
     @property
     def displacement(self) -> FloatArray:
@@ -68,8 +72,9 @@ class DisplacementFields:
 
     @property
     def notes(self) -> dict[str, tuple[str, ...]]:
-        """Status and reasons, as VTK files carry them."""
-        return {STATUS: (self.status,) if self.status else (), REASONS: self.reasons}
+        """Status, reasons and navigation, as VTK files carry them."""
+        status = (self.status,) if self.status else ()
+        return {STATUS: status, REASONS: self.reasons, NAVIGATION: self.navigation}
 
     @property
     def voxels(self) -> ImageGrid:

@@ -10,7 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physgnn.prediction.measured_evidence import MeasurementFit
+from physgnn.prediction.measured_evidence import (
+    LARGEST_OUTLIER_SHARE,
+    LEAST_CHANCE,
+    LEAST_SPREAD_MM,
+    MeasurementFit,
+)
 from physgnn.prediction.status import PredictionStatus
 
 # An error is small below either; benchmarks/statuses.py counts the mistakes that these
@@ -27,8 +32,6 @@ SMALLEST_JACOBIAN, LARGEST_JACOBIAN = 0.5, 2.0
 # A rigid motion has six unknowns, which two points determine; how a brain deforms
 # besides has to come from the others (docs/results/registration.md).
 FEWEST_PLACES = 6
-SAME_PLACE_MM = 1.0  # points nearer to each other than this count once
-LEAST_SPREAD_MM = 3.0  # across the line along which the points spread most
 # A real surface sank by 10 mm on average (Roberts et al. 1998, "Intraoperative brain
 # shift and deformation", Neurosurgery 43, 749-758).
 FARTHEST_SURFACE_MM = 10.0
@@ -39,11 +42,6 @@ LARGEST_TRANSLATION_MM = 7.5
 # where a tracker moved by 8 mm, 1.3 and more where a brain sank as far, in simulation;
 # the weighing of an offset cannot tell one that points inward from sinking.
 AS_WELL = 1.05
-LEAST_CHANCE = 1e-3  # of so large a misfit, if noise alone were its cause
-
-
-# Of the places of one kind; beyond it, nothing says which of them are the bad ones.
-LARGEST_OUTLIER_SHARE = 0.2
 # From here on it is an offset that was found; below, the bound is of both.
 SURE_OF_OFFSET = 0.95
 # Opened, a brain sinks: in simulated shifts the exposed surface by more than half of
@@ -151,10 +149,21 @@ def _too_far(evidence: Evidence) -> Iterator[str]:
         )
 
 
+def _too_few_of_bone(evidence: Evidence) -> Iterator[str]:
+    if evidence.fit is not None and evidence.fit.bone is not None:
+        yield from evidence.fit.bone.too_few()
+
+
+def _bone_misfit(evidence: Evidence) -> Iterator[str]:
+    if evidence.fit is not None and evidence.fit.bone is not None:
+        yield from evidence.fit.bone.contradictions()
+
+
 def _moved_as_a_whole(evidence: Evidence) -> Iterator[str]:
     fit = evidence.fit
     if (
         fit is not None
+        and fit.bone is None  # which says that the tracker is where it should be
         and fit.chance >= LEAST_CHANCE  # else it is compared with a fit that is none
         and fit.translation_mm > LARGEST_TRANSLATION_MM
         and fit.translation_misfit < AS_WELL
@@ -217,7 +226,7 @@ def _offset_of_navigation(evidence: Evidence) -> Iterator[str]:
 
 def _offset_not_told(evidence: Evidence) -> Iterator[str]:
     fit = evidence.fit
-    if fit is None or evidence.largest_mm <= MOVED_MM:
+    if fit is None or fit.bone is not None or evidence.largest_mm <= MOVED_MM:
         return
     if fit.sunk_mm < LEAST_SINKING * evidence.largest_mm:
         how = "sank" if fit.sunk_mm >= 0 else "rose"
@@ -259,6 +268,8 @@ Rule = Callable[[Evidence], Iterator[str]]
 # From what makes a displacement meaningless to what makes it merely uncertain.
 RULES: tuple[tuple[PredictionStatus, Rule], ...] = (
     (PredictionStatus.TOO_FEW_POINTS, _too_few),
+    (PredictionStatus.BONE_MISFIT, _bone_misfit),
+    (PredictionStatus.TOO_FEW_BONE_POINTS, _too_few_of_bone),
     (PredictionStatus.MEASUREMENT_TOO_FAR, _too_far),
     (PredictionStatus.TOLERANCE_NOT_MET, _not_converged),
     (PredictionStatus.MISFIT_ABOVE_NOISE, _misfit),

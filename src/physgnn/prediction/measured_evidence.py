@@ -1,10 +1,19 @@
 """How well a displacement meets what was measured: what a status may rest on."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from physgnn.arrays import FloatArray
+
+LEAST_CHANCE = 1e-3  # of so large a misfit, if noise alone were its cause
+# Of the places of one kind; beyond it, nothing says which of them are the bad ones.
+LARGEST_OUTLIER_SHARE = 0.2
+SAME_PLACE_MM = 1.0  # points nearer to each other than this count once
+LEAST_SPREAD_MM = 3.0  # across the line along which the points spread most
+FEWEST_BONE_POINTS = 3  # fewer do not tell a rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +61,74 @@ class RigidOffset:
         """Angle of the rotation."""
         return float(np.linalg.norm(self.rotation_deg))
 
+    def undone(self, points: FloatArray) -> FloatArray:
+        """Return where places (n, 3) are that the navigation finds at points, mm."""
+        turn = Rotation.from_rotvec(np.deg2rad(self.rotation_deg))
+        back = turn.inv().apply(points - self.centre_mm - self.translation_mm)
+        found: FloatArray = back + self.centre_mm
+        return found
+
+    def __str__(self) -> str:
+        done = "corrected" if self.corrected else f"{self.probability:.0%} probable"
+        return f"{self.length_mm:.1f} mm, {self.turn_deg:.1f} degrees, {done}"
+
+
+@dataclass(frozen=True)
+class BoneFit:
+    """How well points of the bone agree on an offset of the navigation.
+
+    Attributes
+    ----------
+    n_points : int
+        Points that are no outliers; those within 1 mm of each other count once.
+    spread_mm : float
+        Standard deviation of these along their second principal axis.
+    misfit_mm : float
+        Root mean square distance from where the offset puts them.
+    chance : float
+        Probability of a misfit as large, by noise alone.
+    outlier_share : float
+        Of all points, that the rest contradicts.
+    """
+
+    n_points: int
+    spread_mm: float
+    misfit_mm: float
+    chance: float
+    outlier_share: float
+
+    def __str__(self) -> str:
+        points = (
+            "1 bone point" if self.n_points == 1 else f"{self.n_points} bone points"
+        )
+        return f"{points}, {self.misfit_mm:.1f} mm off"
+
+    def too_few(self) -> Iterator[str]:
+        """Yield why the points do not tell a rigid offset, if they do not."""
+        if self.n_points < FEWEST_BONE_POINTS:
+            yield (
+                f"{self.n_points} places of the bone tell of the navigation (at least "
+                f"{FEWEST_BONE_POINTS})"
+            )
+        elif not self.spread_mm >= LEAST_SPREAD_MM:
+            yield (
+                f"the bone points spread by {self.spread_mm:.1f} mm across their "
+                f"longest axis (at least {LEAST_SPREAD_MM:g} mm)"
+            )
+
+    def contradictions(self) -> Iterator[str]:
+        """Yield why the points do not agree on one offset, if they do not."""
+        if not self.chance >= LEAST_CHANCE:
+            yield (
+                f"bone points are {self.misfit_mm:.1f} mm from where a rigid offset "
+                "puts them, more than the stated noise lets expect"
+            )
+        if self.outlier_share > LARGEST_OUTLIER_SHARE:
+            yield (
+                f"{self.outlier_share:.0%} of the bone points contradict the others "
+                f"(at most {LARGEST_OUTLIER_SHARE:.0%})"
+            )
+
 
 @dataclass(frozen=True)
 class MeasurementFit:
@@ -61,7 +138,7 @@ class MeasurementFit:
     ----------
     n_places : int
         Places measured; those within 1 mm of each other count once: see
-        `physgnn.prediction.evidence.SAME_PLACE_MM`.
+        `SAME_PLACE_MM`.
     spread_mm : float
         Standard deviation of the places along their second principal axis.
     distance_mm : float
@@ -86,6 +163,8 @@ class MeasurementFit:
     bump_mm : float
         How far, in the mean, the places of one area lie off to one side, where that is
         more than the stated noise allows; 0 if no area does.
+    bone : BoneFit, optional
+        Of points of the bone, where there were any: the offset is what they say.
     """
 
     n_places: int
@@ -99,3 +178,4 @@ class MeasurementFit:
     offset: RigidOffset | None = None
     sunk_mm: float = float("inf")
     bump_mm: float = 0.0
+    bone: BoneFit | None = None

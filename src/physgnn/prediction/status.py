@@ -26,6 +26,8 @@ class PredictionStatus(IntEnum):
     MISFIT_ABOVE_NOISE = 11
     NAVIGATION_OFFSET = 12
     OFFSET_NOT_TOLD = 13
+    TOO_FEW_BONE_POINTS = 14
+    BONE_MISFIT = 15
 
     @property
     def remedy(self) -> str:
@@ -104,13 +106,21 @@ _REMEDY = {
         "for swapped or bad points, the mesh, and noise_mm"
     ),
     PredictionStatus.NAVIGATION_OFFSET: (
-        "the navigation seems to be off by a rigid motion: give --rigid-offset to have "
-        "it corrected, or register the tracker again"
+        "the navigation seems to be off by a rigid motion: give --bone, points of the "
+        "bone that tell it, or --rigid-offset to have it corrected as it seems"
     ),
     PredictionStatus.OFFSET_NOT_TOLD: (
         "the brain hardly sank where it was measured: either it swells, or the "
         "navigation is off outward and hides that it sank; measure the whole surface, "
-        "or points that cannot have moved"
+        "or give points of the bone (--bone)"
+    ),
+    PredictionStatus.TOO_FEW_BONE_POINTS: (
+        "the bone points are too few or all in a line, so that the navigation may be "
+        "turned about it: give three or more, spread around the craniotomy"
+    ),
+    PredictionStatus.BONE_MISFIT: (
+        "the bone points do not agree on one offset of the navigation: check for "
+        "swapped or bad ones, and --bone-noise-mm; measure them again"
     ),
 }
 

@@ -9,8 +9,14 @@ from scipy.stats import chi2, norm
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.measured import farthest_points
-from physgnn.prediction.evidence import LEAST_CHANCE, SAME_PLACE_MM
-from physgnn.prediction.measured_evidence import MeasurementFit, RigidOffset
+from physgnn.prediction.measured_evidence import (
+    LEAST_CHANCE,
+    SAME_PLACE_MM,
+    BoneFit,
+    MeasurementFit,
+    RigidOffset,
+)
+from physgnn.registration.inference.bone_offset import BoneOffset
 from physgnn.registration.inference.heavy_tails import RobustFit
 from physgnn.registration.inference.rows import MeasuredRows
 from physgnn.registration.measurements.observation import Measurement
@@ -30,6 +36,7 @@ def fit_of(
     rows: MeasuredRows,
     fit: RobustFit,
     offset: RigidOffset,
+    bone: BoneFit | None = None,
 ) -> MeasurementFit:
     """Return how well a displacement meets what was measured.
 
@@ -45,14 +52,11 @@ def fit_of(
         Of the last step.
     offset : RigidOffset
         Of the navigation.
+    bone : BoneFit, optional
+        Of points of the bone, if there were any.
     """
     kept = ~fit.outliers
-    points = np.concatenate([one.points for one in measured])[kept]
-    few = (
-        points[farthest_points(points, spacing=SAME_PLACE_MM)]
-        if len(points)
-        else points
-    )
+    few = _apart(np.concatenate([one.points for one in measured])[kept])
     counts = np.cumsum([0, *(n for n, _ in rows.blocks)])
     parts = [slice(*ends) for ends in pairwise(counts)]
     ratios = [_misfit(rows, fit, part, kept) for part in parts]
@@ -70,7 +74,36 @@ def fit_of(
         offset=offset,
         sunk_mm=max(one.sunk_mm for one in measured),
         bump_mm=_largest_bump(measured, rows, fit),
+        bone=bone,
     )
+
+
+def bone_fit_of(told: BoneOffset) -> BoneFit:
+    """Return how well points of the bone agree on an offset.
+
+    Parameters
+    ----------
+    told : BoneOffset
+        What they say.
+    """
+    kept = ~told.fit.outliers
+    few = _apart(told.bone.source[kept])
+    every = slice(0, len(kept))
+    chance = _misfit(told.rows, told.fit, every, kept)[1] if kept.any() else 0.0
+    return BoneFit(
+        n_points=len(few),
+        spread_mm=second_spread(few) if len(few) else 0.0,
+        misfit_mm=told.misfit_mm,
+        chance=chance,
+        outlier_share=float(told.fit.outliers.mean()),
+    )
+
+
+def _apart(points: FloatArray) -> FloatArray:
+    """Return points that are not within 1 mm of each other."""
+    if not len(points):
+        return points
+    return points[farthest_points(points, spacing=SAME_PLACE_MM)]
 
 
 def _largest_bump(

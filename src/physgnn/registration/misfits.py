@@ -5,6 +5,7 @@ import io
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -12,7 +13,17 @@ from physgnn.arrays import BoolArray, FloatArray
 from physgnn.io.integrity.atomic import write_whole
 from physgnn.registration.inference.heavy_tails import OUTLIER_WEIGHT
 from physgnn.registration.inference.rows import MeasuredRows
-from physgnn.registration.measurements.observation import Measurement
+
+
+class Labelled(Protocol):
+    """What was measured of some kind, such as places of pairs or of the bone."""
+
+    @property
+    def kind(self) -> str: ...  # noqa: D102
+    @property
+    def labels(self) -> tuple[str, ...]: ...  # noqa: D102
+    @property
+    def measured(self) -> FloatArray: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -26,7 +37,7 @@ class Misfit:
     label : str
         Its name in what was read, or its number.
     x_mm, y_mm, z_mm : float
-        Where it was measured.
+        Where it was measured, without the offset that points of the bone tell of.
     distance_mm : float
         From where the registration puts it; of a surface, across it.
     weight : float
@@ -51,7 +62,7 @@ class Misfit:
 
 
 def misfits_of(
-    measured: Sequence[Measurement],
+    measured: Sequence[Labelled],
     rows: MeasuredRows,
     misfit: FloatArray,
     weights: FloatArray,
@@ -60,7 +71,7 @@ def misfits_of(
 
     Parameters
     ----------
-    measured : sequence of Measurement
+    measured : sequence of Labelled
         Everything measured.
     rows : MeasuredRows
         Of these.

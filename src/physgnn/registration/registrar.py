@@ -18,7 +18,6 @@ error, is the error bar (`inference.bounds`).
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -43,58 +42,15 @@ from physgnn.registration.inference.search import Reached, Search
 from physgnn.registration.load_families import load_modes
 from physgnn.registration.measurements.kinds import (
     DEFAULT_NOISE_MM,
-    Measured,
+    AnyMeasured,
     Noise,
-    measurements_of,
-    noises_of,
 )
-from physgnn.registration.measurements.observation import Measurement
-from physgnn.registration.misfits import Misfit, misfits_of, rms_length
+from physgnn.registration.misfits import rms_length
 from physgnn.registration.mode_response import ModeResponse
+from physgnn.registration.placement import Placed, placed
+from physgnn.registration.result import Registration
 from physgnn.registration.skull import SUPPORTS, with_membranes
 from physgnn.registration.tangent_response import TangentResponse
-
-
-@dataclass(frozen=True, eq=False)
-class Registration:
-    """A whole displacement field from what was measured.
-
-    Attributes
-    ----------
-    prediction : Prediction
-        Displacement, error estimate, status with its reasons, and time.
-    deviation_mm : (n_points,) array
-        Standard deviation of each point's displacement (root of the trace).
-    covariance_mm2 : (n_points, 3, 3) array
-        Of each point's error; its root trace is `deviation_mm`.
-    forces : (n_points, 3) array
-        The nodal forces that explain the measurement, N; not unique. Under them the
-        body lies so without any growth.
-    misfit_mm : float
-        Root mean square distance between measured and registered places that are no
-        outliers; of a measured surface, across it.
-    held_out_mm : float
-        The same for places that were left out, each predicted from the others.
-    misfits : tuple of Misfit
-        Of every place, with its weight; outliers among them.
-    offset : RigidOffset
-        Of the navigation; part of the displacement only if it is not `corrected`.
-    """
-
-    prediction: Prediction
-    deviation_mm: FloatArray
-    covariance_mm2: FloatArray
-    forces: FloatArray
-    misfit_mm: float
-    held_out_mm: float
-    misfits: tuple[Misfit, ...]
-    offset: RigidOffset
-
-    @property
-    def outliers(self) -> tuple[Misfit, ...]:
-        """Places that the rest contradicts, the farthest first."""
-        found = [one for one in self.misfits if one.is_outlier]
-        return tuple(sorted(found, key=lambda one: -one.distance_mm))
 
 
 class Registrar:
@@ -150,7 +106,7 @@ class Registrar:
 
     def __call__(
         self,
-        measured: Measured | Sequence[Measured],
+        measured: AnyMeasured | Sequence[AnyMeasured],
         *,
         noise_mm: Noise = DEFAULT_NOISE_MM,
         rigid_offset: bool = False,
@@ -166,13 +122,15 @@ class Registrar:
         measured : PointPairs, Landmarks, SurfacePoints, WholeSurface, or several
             Points of the surface or inside before and after, where the exposed or the
             whole surface lies (a row each of
-            `physgnn.registration.measurements.kinds.KINDS`).
+            `physgnn.registration.measurements.kinds.KINDS`). Among several may be
+            bone points, which tell the offset of the navigation: it is corrected.
         noise_mm : float or mapping
             Standard deviation of each coordinate of a measured displacement or point,
             in (0, 20]; of each kind by its name ("pairs", "landmarks", "surface",
-            "whole surface"), 1 mm where it is not named.
+            "whole surface", "bone"), 1 mm where it is not named.
         rigid_offset : bool
-            Correct a rigid offset of the navigation. It is looked for either way.
+            Correct a rigid offset of the navigation that only the brain tells of. It is
+            looked for either way.
         after : (n_points, 3) array, optional
             The displacement of the state before, mm, where the search begins: the
             result is the same to within a fraction of the noise, in a fraction of the
@@ -193,22 +151,14 @@ class Registrar:
         if not 0 < coverage < 1:
             raise InputError(f"coverage must be in (0, 1) (got {coverage})")
         start = time.perf_counter()
-        measurements = measurements_of(self.body, measured)
-        noises = noises_of(measurements, noise_mm)
-        search, whole = self._searched(
-            measurements,
-            noises,
-            with_offset=rigid_offset,
-            after=after,
-            linear=linear,
-        )
+        there = placed(self.body, measured, noise_mm, rigid_offset=rigid_offset)
+        search, whole = self._searched(there, after=after, linear=linear)
         fit, rows = search.fit, search.rows()
-        offset, alternatives = search.offset()
+        offset, alternatives = there.offset(search)
         lengths = error_lengths(alternatives, search.response, seed)
-        kinds = [one.kind for one in measurements]
-        factors = factors_of(kinds, skull=self.skull, corrected=rigid_offset)
+        factors = factors_of(there.kinds, skull=self.skull, corrected=there.corrected)
         estimate = estimate_of(lengths, coverage, factors)
-        verdict = self._verdict(search, estimate, measurements, offset, whole)
+        verdict = self._verdict(search, estimate, there, offset, whole)
         deviation = factors.of_mean * lengths.deviation_mm
         covariance = point_covariance(
             mixed_covariance(alternatives), search.response, deviation
@@ -227,29 +177,28 @@ class Registrar:
             held_out_mm=rms_length(
                 fit.posterior.held_out / root * rows.noise, kept, rows
             ),
-            misfits=misfits_of(measurements, rows, fit.misfit, fit.weights),
+            misfits=there.misfits(search),
             offset=offset,
+            bone=there.bone,
         )
 
     def _searched(
         self,
-        measured: Sequence[Measurement],
-        noises: Sequence[float],
+        there: Placed,
         *,
-        with_offset: bool,
         after: FloatArray | None,
         linear: bool,
     ) -> tuple[Search, bool]:
         """Return a search that has ended, and whether it came to rest."""
-        given = self._respond, self.modes, measured, noises
+        given = self._respond, self.modes, there.measured, there.noises
         start = None if after is None or linear else self._at(after)
         self._reached = None
         if start is not None:
-            search: Search = Continuation(*given, start=start, with_offset=with_offset)
+            search: Search = Continuation(*given, start=start, offset=there.prior)
             if search.descend():
                 self._reached = search.reached
                 return search, True
-        search = Search(*given, with_offset=with_offset)
+        search = Search(*given, offset=there.prior)
         if linear:
             return search, search.linear_step()
         whole = search.descend()
@@ -273,7 +222,7 @@ class Registrar:
         self,
         search: Search,
         estimate: ErrorBound,
-        measured: Sequence[Measurement],
+        there: Placed,
         offset: RigidOffset,
         converged: bool,
     ) -> Verdict:
@@ -283,7 +232,9 @@ class Registrar:
                 bound_mm=estimate.max_mm,
                 converged=converged,
                 jacobian=volume_change_range(self.body.mesh, search.u),
-                fit=fit_of(measured, search.rows(), search.fit, offset),
+                fit=fit_of(
+                    there.measured, search.rows(), search.fit, offset, there.bone
+                ),
             )
         )
 

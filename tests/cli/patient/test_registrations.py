@@ -122,3 +122,93 @@ def test_landmarks_in_another_space_are_refused_in_a_line(
     said = capsys.readouterr().err
     assert "landmarks must lie inside the brain (outside of it: '" in said
     assert "--initial-transform" in said and "Traceback" not in said
+
+
+BONE = np.array(
+    [[-5.0, 10, 70], [-6, 70, 75], [85, 15, 75], [86, 70, 70], [40, -6, 60]]
+)
+INTO = np.array([0.0, 0.0, -8.0])  # the navigation is off, in the scan's space
+
+
+def bone_files(mm: np.ndarray = INTO) -> None:
+    """Bone points and the top as a navigation that is off finds them now."""
+    found = BONE + mm + 0.2 * np.random.default_rng(1).normal(size=BONE.shape)
+    np.savetxt("bone.csv", np.hstack([BONE, to_tracker(found)]), delimiter=",")
+    top = np.loadtxt("top-half.csv", delimiter=",")
+    top[:, 3:] += mm @ TURN
+    np.savetxt("off.csv", top, delimiter=",")
+    for name, points in (("in-scan", BONE), ("now", to_tracker(found))):
+        rows = [f"{i},{-x},{-y},{z},0,0,0,1,1,1,0,rim {i},," for i, (x, y, z)
+                in enumerate(points)]  # fmt: skip
+        if name == "now":
+            rows.reverse()  # they have names
+        head = "# Markups fiducial file version = 5.0\n# CoordinateSystem = LPS\n"
+        Path(f"{name}.fcsv").write_text(head + "\n".join(rows) + "\n")
+
+
+SPACE = ("--initial-transform", "to-scan.h5", "--transformed", "after")
+TOLD = ("--noise-mm", 0.5, "--bone-noise-mm", 0.3)
+
+
+def test_bone_points_take_out_what_the_navigation_is_off(
+    theatre: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bone_files()
+    given = ("--points", "off.csv", *SPACE, *TOLD)
+    run("register", "case.vtu", *given, "-o", "alone.vtu")
+    said = capsys.readouterr()
+    assert "not checked against bone" in said.out
+    assert "the navigation was not checked against bone" in said.err
+    assert "not checked" in str(pv.read("alone.vtu").field_data["navigation"])
+    bone = ("--bone", "bone.csv", "--misfits", "misfits.csv")
+    run("register", "case.vtu", *given, *bone, "-o", "out.vtu")
+    said = capsys.readouterr()
+    assert "corrected; 5 bone points" in said.out
+    assert "not checked" not in said.out + said.err
+    assert error_of(theatre, "out.vtu") < 0.4 < error_of(theatre, "alone.vtu")
+    lines = [str(line) for line in pv.read("out.vtu").field_data["navigation"]]
+    z = float(lines[1].split(" +- ")[0].split()[-1])
+    assert z == pytest.approx(-8.0, abs=0.6) and len(lines) == 9
+    kinds = [row.split(",")[0] for row in Path("misfits.csv").read_text().split()]
+    assert kinds.count("bone") == 5
+    pair = ("--bone", "in-scan.fcsv", "--bone-target", "now.fcsv")
+    run("register", "case.vtu", *given, *pair, "-o", "pair.vtu")
+    found = [pv.read(name)["displacement_mm"] for name in ("out.vtu", "pair.vtu")]
+    np.testing.assert_allclose(found[1], found[0], atol=1e-3)
+
+
+def test_a_series_takes_bone_points_of_each_state(theatre: Path) -> None:
+    bone_files()
+    Path("states.csv").write_text(
+        "name,points,bone\nchecked,off.csv,bone.csv\nnot,off.csv,\n"
+    )
+    run("register", "case.vtu", "--series", "states.csv", *SPACE, *TOLD, "-o", "s")
+    head, checked, alone = (theatre / "s/results.csv").read_text().splitlines()
+    assert head.endswith("offset_mm,bone")
+    assert '"5 bone points' in checked and alone.endswith(",")
+    assert (theatre / "s/checked-misfits.csv").read_text().count("bone,") == 5
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (("--bone", "bone.csv"), "nothing was measured of the brain"),
+        (("--points", "off.csv", "--bone-target", "now.fcsv"), "give --bone"),
+        (("--points", "off.csv", "--bone", "in-scan.fcsv"), "--bone-target"),
+        (("--points", "off.csv", "--bone", "deep-half.csv"), "outside of the brain"),
+        (("--points", "off.csv", "--bone", "case.vtu"), "must be .csv"),
+        (
+            ("--points", "off.csv", "--bone", "bone.csv", "--bone-noise-mm", 0),
+            "noise_mm of bone must be in (0, 20]",
+        ),
+    ],
+)
+def test_bad_bone_points_are_one_line(
+    given: tuple, said: str, theatre: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bone_files()
+    assert run("register", "case.vtu", *given, *SPACE, "-o", "o.vtu") == 2
+    error = capsys.readouterr().err
+    assert said in error and "Traceback" not in error
+    assert len(error.strip().splitlines()) == 1
+    assert not (theatre / "o.vtu").exists()

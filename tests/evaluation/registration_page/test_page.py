@@ -12,7 +12,7 @@ from physgnn.evaluation.registration_page.figures import misfit_chart
 from physgnn.evaluation.registration_page.page import misfit_table
 from physgnn.evaluation.registration_page.places import MeasuredPlace, measured_places
 from physgnn.geometry.image import Image
-from physgnn.geometry.measured import PointPairs, SurfacePoints
+from physgnn.geometry.measured import BonePoints, PointPairs, SurfacePoints
 from physgnn.imaging.slices import Overlay, overlaid
 from physgnn.io import write_mesh
 from physgnn.io.medical.images.formats import write_image
@@ -52,6 +52,18 @@ def test_places_of_several_measurements_follow_each_other() -> None:
     assert [place.name for place in found] == [str(i + 1) for i in range(2 * len(TOP))]
     assert max(place.after_mm for place in found[: len(TOP)]) < 1e-9
     np.testing.assert_allclose([p.after_mm for p in found[len(TOP) :]], 3.0)
+
+
+def test_distances_without_an_offset_of_the_navigation() -> None:
+    away = np.array([0.0, 6.0, 8.0])
+    bone = BonePoints(TOP[:4] + 9.0, TOP[:4] + 9.0 + away + [0.0, 0.0, 0.5])
+    pairs = PointPairs(TOP, TOP - [0, 0, 3] + away)
+    found = measured_places(BODY, DOWN, [pairs, bone], lambda points: points - away)
+    brain, of_bone = found[: len(TOP)], found[len(TOP) :]
+    np.testing.assert_allclose([place.before_mm for place in brain], 3.0)
+    np.testing.assert_allclose([place.after_mm for place in brain], 0.0, atol=1e-9)
+    np.testing.assert_allclose([p.before_mm for p in of_bone], np.hypot(6.0, 8.5))
+    np.testing.assert_allclose([place.after_mm for place in of_bone], 0.5)
 
 
 def case_of(*after: float, note: str = "") -> RegisteredCase:

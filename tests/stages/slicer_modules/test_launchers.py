@@ -167,12 +167,16 @@ def test_the_form_of_register_has_its_options(
         "points": markups(tmp_path / "before.fcsv", top),
         "target": markups(tmp_path / "after.fcsv", top - [0.0, 0.0, SINKS_MM]),
     }
+    bone = np.array([[-5.0, 10, 70], [-5, 70, 75], [85, 40, 75], [40, 85, 70]])
+    files["bone"] = markups(tmp_path / "bone.fcsv", bone)
+    files["bone_target"] = markups(tmp_path / "now.fcsv", bone + 0.1)
     options = {"rigid_offset": True, "causes": "none"}
     out = tmp_path / "shift.vtu"
     found, _ = launch(
         "PhysGNNRegister", mesh=case, shift=out, remove="", **files, **options
     )
     assert found["offset"].endswith("corrected")
+    assert found["bone"].startswith("4 bone points")
     register(case, tmp_path / "theirs.vtu", **files, **options)
     assert out.read_bytes() == (tmp_path / "theirs.vtu").read_bytes()
     found, said = launch(

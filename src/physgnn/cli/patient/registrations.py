@@ -11,7 +11,7 @@ from physgnn.cli.console import NOT_USABLE, conclude, say, working
 from physgnn.cli.options import AffineOption, Displacement, Form, Grid, Materials
 
 if TYPE_CHECKING:  # torch takes seconds to import
-    from physgnn.registration.registrar import Registration
+    from physgnn.registration.result import Registration
     from physgnn.stages.patient.intraoperative.state_series import StateResult
 
 Noise = Annotated[
@@ -66,13 +66,28 @@ def register(
             "taken as the whole surface; or a label map of it."
         ),
     ] = None,
+    bone: Annotated[
+        Path | None,
+        typer.Option(
+            help="Pairs of points of the bone, or of what is fixed to it, in the scan "
+            "and as the navigation finds them now: its offset is then known and "
+            "corrected. The same formats."
+        ),
+    ] = None,
+    bone_target: Annotated[
+        Path | None,
+        typer.Option(
+            help="The bone points as they are found now, where they are markups of "
+            "their own."
+        ),
+    ] = None,
     series: Annotated[
         Path | None,
         typer.Option(
             help="Register the states of this table, CSV, one after the other: columns "
             "name or time, and points, target, landmarks, landmarks_target, surface, "
-            "whole_surface, intraoperative or initial_transform. The result is a "
-            "folder."
+            "whole_surface, intraoperative, bone, bone_target or initial_transform. "
+            "The result is a folder."
         ),
     ] = None,
     initial_transform: Annotated[
@@ -97,10 +112,13 @@ def register(
     landmark_noise_mm: Noise = None,
     surface_noise_mm: Noise = None,
     whole_surface_noise_mm: Noise = None,
+    bone_noise_mm: Noise = None,
     rigid_offset: Annotated[
         bool,
         typer.Option(
-            "--rigid-offset", help="Correct a rigid offset of the navigation."
+            "--rigid-offset",
+            help="Correct a rigid offset of the navigation that the brain alone tells "
+            "of; --bone needs no such option.",
         ),
     ] = False,
     backend: Annotated[
@@ -189,6 +207,8 @@ def register(
             surface=surface,
             whole_surface=whole_surface,
             intraoperative=intraoperative,
+            bone=bone,
+            bone_target=bone_target,
             series=series,
             initial_transform=initial_transform,
             transformed=transformed,
@@ -196,6 +216,7 @@ def register(
             landmark_noise_mm=landmark_noise_mm,
             surface_noise_mm=surface_noise_mm,
             whole_surface_noise_mm=whole_surface_noise_mm,
+            bone_noise_mm=bone_noise_mm,
             rigid_offset=rigid_offset,
             backend=backend,
             contrast=contrast,
@@ -236,8 +257,7 @@ def _conclude_series(out: Path, states: "Sequence[StateResult]") -> None:
 def _summary(found: "Registration") -> str:
     """Return what a registration found, in one line."""
     status, bound = found.prediction.status, found.prediction.error_estimate_mm
-    offset, outliers = found.offset, len(found.outliers)
-    done = "corrected" if offset.corrected else f"{offset.probability:.0%} probable"
+    outliers = len(found.outliers)
     error = (
         ""
         if bound is None
@@ -247,7 +267,6 @@ def _summary(found: "Registration") -> str:
     left = f", {outliers} of {len(found.misfits)} outliers" if outliers else ""
     return (
         f"{error}misfit {found.misfit_mm:.2f} mm, of points held out "
-        f"{found.held_out_mm:.2f} mm{left}; rigid offset {offset.length_mm:.1f} mm, "
-        f"{offset.turn_deg:.1f} degrees, {done}; {found.prediction.seconds:.1f} s; "
-        f"{status}: {status.remedy_for('register')}"
+        f"{found.held_out_mm:.2f} mm{left}; {found.navigation}; "
+        f"{found.prediction.seconds:.1f} s; {status}: {status.remedy_for('register')}"
     )

@@ -25,7 +25,7 @@ class RegisteredCase:
     covariance_mm2 : (n_points, 3, 3) array
         Of each point's error.
     misfit_mm, held_out_mm : float
-        Root mean squares, see `physgnn.registration.registrar.Registration`.
+        Root mean squares, see `physgnn.registration.result.Registration`.
     places : tuple of MeasuredPlace
         What was measured, with the distances before and after.
     noise_mm : float

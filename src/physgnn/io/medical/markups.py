@@ -77,7 +77,7 @@ def read_point_pairs(
             one, _ = BOTH_ENDS.get(path.suffix.lower(), (f"has {len(lists)}", ""))
             raise InputError(
                 f"needs two lists of points, source and target ({one}): give the file "
-                "of the targets too (--target, of landmarks --landmarks-target)"
+                "of the targets too (--target, --landmarks-target or --bone-target)"
             )
         source, moved, names, lines = paired(*lists)
         for line in lines:

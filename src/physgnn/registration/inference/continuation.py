@@ -14,6 +14,7 @@ import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.registration.inference.heavy_tails import reweighted
+from physgnn.registration.inference.rigid_offset import OffsetPrior
 from physgnn.registration.inference.search import (
     LONGEST_STEP_MM,
     MAX_HALVINGS,
@@ -39,7 +40,7 @@ class Continuation(Search):
     ----------
     tangent : ModeResponse
         Factorised about `start`, or near it.
-    modes, measured, noises, with_offset
+    modes, measured, noises, offset
         As of `Search`.
     start : Reached
         The state before.
@@ -53,9 +54,9 @@ class Continuation(Search):
         noises: Sequence[float],
         *,
         start: Reached,
-        with_offset: bool = False,
+        offset: OffsetPrior | None = None,
     ) -> None:
-        super().__init__(tangent, modes, measured, noises, with_offset=with_offset)
+        super().__init__(tangent, modes, measured, noises, offset=offset)
         self._chord = tangent.backward
         self.response = start.response
         self._begins = self._moved_to(

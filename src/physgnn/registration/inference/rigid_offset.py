@@ -58,8 +58,27 @@ class Hypothesis:
 NONE, USUAL = Hypothesis(0.95), Hypothesis(0.04, 2.0, 2.0)
 MISPLACED = Hypothesis(0.01, 8.0, 4.0)
 HYPOTHESES = (NONE, USUAL, MISPLACED)
-PRIOR = USUAL.variances
 POWER = 1 / 3  # of the likelihood
+
+
+@dataclass(frozen=True, eq=False)
+class OffsetPrior:
+    """What is known of an offset that a search corrects.
+
+    Attributes
+    ----------
+    variances : (6,) array
+        Of independent coefficients.
+    axes : (6, 6) array
+        What each coefficient is in translation (mm) and rotation (radians), a column
+        each.
+    """
+
+    variances: FloatArray
+    axes: FloatArray
+
+
+UNKNOWN = OffsetPrior(USUAL.variances, np.eye(6))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,12 +128,22 @@ def compared(rows: MeasuredRows, modes: Modes, weights: FloatArray) -> OffsetEvi
         for one in HYPOTHESES
     ]
     evidence = POWER * np.array([value for value, _ in found])
-    before = np.log([one.probability for one in HYPOTHESES])
-    after = evidence + before
-    ratio = logsumexp(after[1:]) - logsumexp(before[1:]) - evidence[0]
-    return OffsetEvidence(
-        np.exp(after - logsumexp(after)), tuple(fit for _, fit in found), float(ratio)
-    )
+    fits = tuple(fit for _, fit in found)
+    return OffsetEvidence(probabilities_of(evidence), fits, log_ratio_of(evidence))
+
+
+def probabilities_of(evidence: FloatArray) -> FloatArray:
+    """Return the probability of each of `HYPOTHESES` from the data's logarithms."""
+    after = evidence + np.log([one.probability for one in HYPOTHESES])
+    found: FloatArray = np.exp(after - logsumexp(after))
+    return found
+
+
+def log_ratio_of(evidence: FloatArray) -> float:
+    """Return how much more probable the data are with an offset, as a logarithm."""
+    before = np.log([one.probability for one in HYPOTHESES[1:]])
+    ratio = logsumexp(evidence[1:] + before) - logsumexp(before) - evidence[0]
+    return float(ratio)
 
 
 def _fitted(

@@ -130,13 +130,38 @@ def rigid_columns(
     centre : (3,) array
         The middle of everything measured, mm.
     """
-    centre = np.concatenate([one.measured for one in measured]).mean(axis=0)
-    parts = []
-    for one, where in zip(seen, measured, strict=True):
-        arm = np.broadcast_to((where.measured - centre)[:, None, :], one.axes.shape)
-        turns = np.cross(arm, one.axes)  # a · (ω × r) = ω · (r × a)
-        parts.append(np.concatenate([one.axes, turns], axis=2).reshape(-1, 6))
+    centre = middle_of(measured)
+    parts = [
+        turning(one.axes, where.measured - centre)
+        for one, where in zip(seen, measured, strict=True)
+    ]
     return np.concatenate(parts), centre
+
+
+def middle_of(measured: Sequence[Measurement]) -> FloatArray:
+    """Return the middle of everything measured, (3,), mm."""
+    middle: FloatArray = np.concatenate([one.measured for one in measured]).mean(axis=0)
+    return middle
+
+
+def turning(axes: FloatArray, arms: FloatArray) -> FloatArray:
+    """Return what a translation and a small rotation do along axes.
+
+    Parameters
+    ----------
+    axes : (n, k, 3) array
+        The directions that count at each place.
+    arms : (n, 3) array
+        Of each place from the centre of the rotation, mm.
+
+    Returns
+    -------
+    (n k, 6) array
+        For a translation in mm and a rotation in radians.
+    """
+    along = np.broadcast_to(arms[:, None, :], axes.shape)
+    turns = np.cross(along, axes)  # a · (ω × r) = ω · (r × a)
+    return np.concatenate([axes, turns], axis=2).reshape(-1, 6)
 
 
 def _components(seen: Observation, response: Fields) -> FloatArray:

@@ -14,7 +14,7 @@ from physgnn.prediction.measured_evidence import RigidOffset
 from physgnn.registration.inference.bounds import Alternative
 from physgnn.registration.inference.heavy_tails import reweighted, robust_start
 from physgnn.registration.inference.rigid_offset import (
-    PRIOR,
+    OffsetPrior,
     compared,
     offset_of,
 )
@@ -75,8 +75,8 @@ class Search:
         Everything measured.
     noises : sequence of float
         Of each, mm.
-    with_offset : bool
-        Look for a rigid offset of the navigation, too.
+    offset : OffsetPrior, optional
+        Correct a rigid offset of the navigation, of which this is known.
     """
 
     def __init__(
@@ -86,17 +86,17 @@ class Search:
         measured: Sequence[Measurement],
         noises: Sequence[float],
         *,
-        with_offset: bool = False,
+        offset: OffsetPrior | None = None,
     ) -> None:
         self._tangent, self._modes = tangent, modes
         self._measured, self._noises = measured, noises
-        self._with_offset = with_offset
+        self._offset = offset
         self.u = np.zeros(modes.forces.shape[1:])
         self.w_at_u = np.zeros(len(modes.family))
         self.response: Fields = modes.response
         self._backward = np.zeros_like(self.u)
         self._seen = [one.observe(self.u) for one in measured]
-        known = PRIOR if with_offset else np.empty(0)
+        known = np.empty(0) if offset is None else offset.variances
         self._about = Modes(modes.family, known, min(noises), modes.most)
         self._prior, self.fit = robust_start(self.rows(), self._about)
 
@@ -113,9 +113,10 @@ class Search:
     def rows(self) -> MeasuredRows:
         """Return everything measured, linearised about `u`."""
         rows = rows_of(self._seen, self._noises, self.response, self._backward)
-        if not self._with_offset:
+        if self._offset is None:
             return rows
-        return rows.with_columns(rigid_columns(self._seen, self._measured)[0])
+        columns, _ = rigid_columns(self._seen, self._measured)
+        return rows.with_columns(columns @ self._offset.axes)
 
     def linear_step(self) -> bool:
         """Take the displacement of linear elasticity."""
@@ -149,14 +150,14 @@ class Search:
         change = combined(self.response, found.likely.posterior.mean[:n] - without)
         own = self.fit.posterior
         offset = offset_of(
-            own if self._with_offset else found.likely.posterior,
+            found.likely.posterior if self._offset is None else own,
             centre,
             found,
             change_mm=float(np.linalg.norm(change, axis=1).max()),
-            corrected=self._with_offset,
+            corrected=self._offset is not None,
         )
-        alone = [Alternative(1.0, np.zeros(n), own.covariance[:n, :n])]
-        if self._with_offset:
+        alone = self.alone()
+        if self._offset is not None:
             return offset, alone
         others = zip(found.probabilities[1:], found.fits[1:], strict=True)
         return offset, [
@@ -170,6 +171,11 @@ class Search:
                 for probability, fit in others
             ),
         ]
+
+    def alone(self) -> list[Alternative]:
+        """Return the posterior of the search as the only one the error may be of."""
+        n = len(self._about.family)
+        return [Alternative(1.0, np.zeros(n), self.fit.posterior.covariance[:n, :n])]
 
     def _step(self) -> FloatArray:
         return self._backward + combined(self.response, self.w)

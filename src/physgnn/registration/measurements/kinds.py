@@ -4,11 +4,14 @@ To add one, write a class with the attributes of `Measurement` and a row.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
+from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.measured import (
+    BonePoints,
     Landmarks,
     PointPairs,
     SurfacePoints,
@@ -17,6 +20,7 @@ from physgnn.geometry.measured import (
 from physgnn.geometry.plausibility import check_same_units
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
+from physgnn.registration.measurements.bone import check_bone
 from physgnn.registration.measurements.observation import Measurement
 from physgnn.registration.measurements.points import (
     measured_landmarks,
@@ -28,6 +32,7 @@ from physgnn.registration.measurements.surfaces import (
 )
 
 Measured = PointPairs | Landmarks | SurfacePoints | WholeSurface
+AnyMeasured = Measured | BonePoints
 Noise = float | Mapping[str, float]
 LARGEST_NOISE_MM = 20.0
 DEFAULT_NOISE_MM = 1.0
@@ -70,10 +75,45 @@ def measurements_of(
     """
     given = measured if isinstance(measured, Sequence) else [measured]
     if not given:
-        raise InputError("nothing was measured: give points or a surface")
+        raise InputError("nothing was measured of the brain: give points or a surface")
     for one in given:
         _check_units(body.mesh, one)
     return [KINDS[type(one)](body, one) for one in given]
+
+
+def parted(
+    mesh: TetMesh, given: AnyMeasured | Sequence[AnyMeasured]
+) -> tuple[list[Measured], BonePoints | None]:
+    """Return what was measured of the brain, and of the bone.
+
+    Raises
+    ------
+    InputError
+        If points of the bone cannot be such, or are given twice.
+    """
+    every = given if isinstance(given, Sequence) else [given]
+    bone = [one for one in every if isinstance(one, BonePoints)]
+    if len(bone) > 1:
+        raise InputError(f"give all bone points as one (got {len(bone)} lists of them)")
+    for one in bone:
+        check_bone(mesh, one)
+    brain = [one for one in every if not isinstance(one, BonePoints)]
+    return brain, bone[0] if bone else None
+
+
+def moved(measured: Measured, to: Callable[[FloatArray], FloatArray]) -> Measured:
+    """Return a measurement, what was found after the shift elsewhere.
+
+    Parameters
+    ----------
+    measured : PointPairs, Landmarks, SurfacePoints or WholeSurface
+        Whatever a row of `KINDS` takes.
+    to : callable
+        From points (n, 3) to where they are put, mm.
+    """
+    if isinstance(measured, PointPairs):
+        return replace(measured, target=to(measured.target))
+    return replace(measured, points=to(measured.points))
 
 
 def _check_units(mesh: TetMesh, measured: Measured) -> None:
@@ -84,13 +124,13 @@ def _check_units(mesh: TetMesh, measured: Measured) -> None:
         check_same_units(measured.points, surface, "measured surface")
 
 
-def noises_of(measurements: Sequence[Measurement], noise_mm: Noise) -> list[float]:
+def noises_of(kinds: Sequence[str], noise_mm: Noise) -> list[float]:
     """Return the noise of each measurement, mm.
 
     Parameters
     ----------
-    measurements : sequence of Measurement
-        Everything measured.
+    kinds : sequence of str
+        Of everything measured.
     noise_mm : float or mapping
         Of all, or of each kind by its name; 1 mm where it is not named.
 
@@ -100,10 +140,10 @@ def noises_of(measurements: Sequence[Measurement], noise_mm: Noise) -> list[floa
         If one is not in (0, 20] mm, of a kind that was not measured either.
     """
     if not isinstance(noise_mm, Mapping):
-        noise_mm = {one.kind: noise_mm for one in measurements}
+        noise_mm = dict.fromkeys(kinds, noise_mm)
     for kind, noise in noise_mm.items():
         if not 0 < noise <= LARGEST_NOISE_MM:
             raise InputError(
                 f"noise_mm of {kind} must be in (0, {LARGEST_NOISE_MM:g}] (got {noise})"
             )
-    return [float(noise_mm.get(one.kind, DEFAULT_NOISE_MM)) for one in measurements]
+    return [float(noise_mm.get(kind, DEFAULT_NOISE_MM)) for kind in kinds]

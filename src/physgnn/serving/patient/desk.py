@@ -13,7 +13,7 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry import TetMesh
 
 if TYPE_CHECKING:  # torch takes seconds to import
-    from physgnn.registration.registrar import Registration
+    from physgnn.registration.result import Registration
 
 
 @dataclass(frozen=True, eq=False)

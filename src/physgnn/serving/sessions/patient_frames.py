@@ -57,6 +57,7 @@ def state_frame(
             "turn_deg": found.offset.turn_deg,
             "probability": found.offset.probability,
             "corrected": found.offset.corrected,
+            "bone": None if found.bone is None else str(found.bone),
         },
         "notes": list(shift.notes),
         "places": len(found.misfits),

@@ -12,7 +12,7 @@ from physgnn import stages
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.geometry import TetMesh
     from physgnn.prediction.prediction import Prediction
-    from physgnn.registration.registrar import Registration
+    from physgnn.registration.result import Registration
     from physgnn.stages.patient.preoperative.adaptation import Adapted
 
 Figures = dict[str, Any]

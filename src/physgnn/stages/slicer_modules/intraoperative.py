@@ -56,10 +56,26 @@ REGISTER_MODULE = Module(
             extensions=VOLUME,
         ),
         Parameter(
+            "pointfile",
+            "bone",
+            "Bone points in the scan",
+            "Points of the skull, or fixed to it, in the preoperative scan.",
+            extensions=POINTS,
+            attributes=MARKUPS,
+        ),
+        Parameter(
+            "pointfile",
+            "bone_target",
+            "Bone points now",
+            "Where the navigation finds them: its offset is then known and corrected.",
+            extensions=POINTS,
+            attributes=MARKUPS,
+        ),
+        Parameter(
             "boolean",
             "rigid_offset",
             "Rigid offset",
-            "Correct a rigid offset of the navigation.",
+            "Correct a rigid offset of the navigation that the brain alone tells of.",
             default="false",
         ),
         Parameter(
@@ -74,6 +90,14 @@ REGISTER_MODULE = Module(
             "Noise, mm",
             "Standard deviation of every measured coordinate.",
             default="1.0",
+        ),
+        Parameter(
+            "double",
+            "bone_noise_mm",
+            "Noise of bone points, mm",
+            "Standard deviation of every coordinate of them.",
+            default="1.0",
+            is_advanced=True,
         ),
         Parameter(
             "string-enumeration",
@@ -111,6 +135,7 @@ REGISTER_MODULE = Module(
         ReturnedValue("misfit_mm", "Misfit, mm"),
         ReturnedValue("held_out_mm", "Misfit of points held out, mm"),
         ReturnedValue("offset", "Rigid offset"),
+        ReturnedValue("bone", "Bone points"),
     ),
     jobs.register,
 )

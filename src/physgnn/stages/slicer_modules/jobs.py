@@ -79,13 +79,12 @@ def register(job: Job) -> Mapping[str, Any]:
         values, others = _shift(job, Path(folder))
         found = _call("register", values, job)
         _write_forms(values, others, job)
-    offset = found.offset
-    done = "corrected" if offset.corrected else f"{offset.probability:.0%} probable"
     return {
         **_said(found.prediction),
         "misfit_mm": f"{found.misfit_mm:.3f}",
         "held_out_mm": f"{found.held_out_mm:.3f}",
-        "offset": f"{offset.length_mm:.1f} mm, {offset.turn_deg:.1f} degrees, {done}",
+        "offset": str(found.offset),
+        "bone": "not checked against bone" if found.bone is None else str(found.bone),
     }
 
 

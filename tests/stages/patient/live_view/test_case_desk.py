@@ -91,7 +91,10 @@ def test_what_is_kept_of_a_registration_is_what_the_command_writes(case: Path) -
     pairs = sunk_pairs(scratch / "pairs.csv", desk.mesh)
     moved = scratch / "tracker.txt"
     np.savetxt(moved, np.eye(4))
-    files = {"pairs": pairs, "initial transform": moved}
+    around = np.array([[-5.0, 10, 70], [-5, 70, 75], [85, 40, 75], [40, 85, 70]])
+    bone = scratch / "bone.csv"
+    np.savetxt(bone, np.hstack([around, around + 0.1]), delimiter=",")
+    files = {"pairs": pairs, "bone": bone, "initial transform": moved}
     state, options = MeasuredState("pairs", files), RegisterOptions(0.8, True)
     (shift,) = desk.register([state], scratch, options)
     names = ["case.vtu", "registered.vtu", "registered-misfits.csv"]
@@ -100,12 +103,13 @@ def test_what_is_kept_of_a_registration_is_what_the_command_writes(case: Path) -
         kept / "case.vtu",
         scratch / "command.vtu",
         points=pairs,
+        bone=bone,
         initial_transform=moved,
         noise_mm=0.8,
         rigid_offset=True,
         misfits=scratch / "command.csv",
     )
-    assert shift.found.offset.corrected and found.offset.corrected
+    assert shift.found.bone is not None and shift.found.bone == found.bone
     for name, theirs in zip(names[1:], ("command.vtu", "command.csv"), strict=True):
         assert (kept / name).read_bytes() == (scratch / theirs).read_bytes()
     assert shift.found.prediction.displacement[:, 2].min() < -1.0

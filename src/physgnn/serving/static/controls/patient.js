@@ -6,7 +6,7 @@ import { download } from "./save.js";
 const MIDDLE_RADIUS_MM = 30;
 const MOST_MISFITS = 60; // in the table; the rest is in the file
 const GUESSES = [[/before|source|preop/i, "before"], [/after|target|intraop/i, "after"]];
-const INSIDE = /landmark|ultrasound/i;
+const KINDS = [[/landmark|ultrasound/i, "landmarks"], [/bone|skull|divot/i, "bone"]];
 const POINTS = [".csv", ".fcsv", ".tag", ".mrk.json"];
 const TRANSFORMS = [".txt", ".tfm", ".h5"];
 const SCANS = [".nii", ".nii.gz", ".nrrd", ".mha", ".mgz"];
@@ -124,7 +124,8 @@ export class Patient {
     if (ends(SCANS)) return "intraoperative";
     if (!ends(POINTS)) return "surface";
     const when = GUESSES.find(([words]) => words.test(name))?.[1];
-    if (INSIDE.test(name)) return when ? `landmarks ${when}` : "landmarks";
+    const kind = KINDS.find(([words]) => words.test(name))?.[1];
+    if (kind) return when ? `${kind} ${when}` : kind;
     return when ?? "pairs";
   }
 
@@ -201,7 +202,8 @@ export class Patient {
     write("found-mean", error ? `${error.mean_mm.toFixed(2)} mm` : "not known");
     write("found-most", error ? `${error.max_mm.toFixed(2)} mm${chance}` : "not known");
     const done = offset.corrected ? "corrected" : `${Math.round(100 * offset.probability)} % probable`;
-    write("found-offset", `${offset.length_mm.toFixed(1)} mm, ${offset.turn_deg.toFixed(1)}°, ${done}`);
+    const size = `${offset.length_mm.toFixed(1)} mm, ${offset.turn_deg.toFixed(1)}°`;
+    write("found-offset", `${size}, ${done}; ${offset.bone ?? "not checked against bone"}`);
     $("misfits").replaceChildren(...misfits.slice(0, MOST_MISFITS).map(({ kind, label, mm, weight, outlier }) => {
       const row = element("tr", { title: kind });
       for (const text of [outlier ? `${label} (outlier)` : label, mm.toFixed(2), weight.toFixed(2)]) {

@@ -9,6 +9,7 @@ import numpy as np
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.measured import (
+    BonePoints,
     Landmarks,
     PointPairs,
     SurfacePoints,
@@ -21,12 +22,14 @@ from physgnn.io.medical.measured_surface import read_surface_points
 from physgnn.io.surfaces.formats import read_surface
 from physgnn.progress import Log, no_log
 
-Measured = PointPairs | Landmarks | SurfacePoints | WholeSurface
+Measured = PointPairs | Landmarks | SurfacePoints | WholeSurface | BonePoints
 GivenPath = str | Path | None
 NOTHING = (
-    "nothing was measured: give --points, --landmarks, --surface, --whole-surface, "
-    "--intraoperative or --series"
+    "nothing was measured of the brain: give --points, --landmarks, --surface, "
+    "--whole-surface, --intraoperative or --series"
 )
+BESIDES = {"initial_transform", "target", "landmarks_target", "bone", "bone_target"}
+"""Files that say nothing of a brain by themselves."""
 ReadScan = Callable[[Path, FloatArray], Surface]
 
 TRANSFORMED: Mapping[str, bool] = {"both": True, "after": False}
@@ -40,7 +43,9 @@ class MeasuredFiles:
     Attributes
     ----------
     points, target, landmarks, landmarks_target, surface, whole_surface, intraoperative
-        What was measured: see `physgnn.register`.
+        What was measured of the brain: see `physgnn.register`.
+    bone, bone_target
+        What was measured of the bone.
     initial_transform : path, optional
         From the space of what was measured to that of the scan.
     """
@@ -52,6 +57,8 @@ class MeasuredFiles:
     surface: GivenPath = None
     whole_surface: GivenPath = None
     intraoperative: GivenPath = None
+    bone: GivenPath = None
+    bone_target: GivenPath = None
     initial_transform: GivenPath = None
 
     @property
@@ -117,6 +124,9 @@ def read_measured(
         found.append(whole(scanned(Path(files.intraoperative), matrix), matrix))
     if not found:
         raise InputError(NOTHING)
+    ends = files.bone, files.bone_target
+    if (pairs := _pairs("bone", *ends, log, BonePoints)) is not None:
+        found.append(BonePoints(*_ends(pairs, matrix, both)))
     return found
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from physgnn.arrays import FloatArray
 from physgnn.geometry.image import ImageGrid
+from physgnn.geometry.measured import WholeSurface
 from physgnn.io.displacement_files import DisplacementFields
 from physgnn.io.vtk.error_fields import COVARIANCE, DEVIATION, packed
 from physgnn.progress import Log, no_log
@@ -24,8 +25,13 @@ from physgnn.stages.patient.intraoperative.scan_surface import (
 )
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
-    from physgnn.registration.registrar import Registrar, Registration
+    from physgnn.registration.registrar import Registrar
+from physgnn.registration.result import Registration
 
+UNCHECKED = (
+    "the navigation was not checked against bone: one that is off into the brain looks "
+    "like a brain that sank; give points of the bone (--bone)"
+)
 SEGMENTED_MM = 2.0  # noise of a segmented brain's surface: two voxels of a usual scan
 Write = Callable[[Path, DisplacementFields], None]
 
@@ -57,7 +63,8 @@ class HowToRegister:
 
     def noise_of(self, files: MeasuredFiles) -> dict[str, float]:
         """Return the noise of every kind of measurement of a state, mm."""
-        default = dict.fromkeys(("pairs", "landmarks", "surface"), self.noise_mm)
+        kinds = ("pairs", "landmarks", "surface", "bone")
+        default = dict.fromkeys(kinds, self.noise_mm)
         whole = (
             self.noise_mm
             if files.intraoperative is None
@@ -109,7 +116,8 @@ def register_state(
     picture : Path, optional
         Where the outline of an intraoperative brain goes, PNG.
     log : callable
-        Called with what was left out, and the outliers.
+        Called with what was left out, the outliers, and that nothing checked the
+        navigation where that is so.
 
     Raises
     ------
@@ -132,6 +140,8 @@ def register_state(
     )
     for one in found.outliers:
         log(f"outlier, {one}, weight {one.weight:.2f}")
+    if found.bone is None and not any(isinstance(m, WholeSurface) for m in measured):
+        log(UNCHECKED)
     return RegisteredState(found, measured)
 
 
@@ -142,7 +152,7 @@ def write_state(
     write: Write,
     grid: ImageGrid | None = None,
 ) -> None:
-    """Write a displacement with its deviation, covariance, forces and status."""
+    """Write a displacement: deviation, covariance, forces, status, navigation."""
     fields = {
         "displacement_mm": found.prediction.displacement,
         DEVIATION: found.deviation_mm,
@@ -151,4 +161,34 @@ def write_state(
     }
     said = str(found.prediction.status), found.prediction.reasons
     gone = None if patient.resection is None else patient.resection.removed
-    write(out, DisplacementFields(patient.body.mesh, fields, grid, *said, gone))
+    told = navigation_lines(found)
+    write(out, DisplacementFields(patient.body.mesh, fields, grid, *said, gone, told))
+
+
+def navigation_lines(found: "Registration") -> tuple[str, ...]:
+    """Return what is known of the navigation: its offset, and each point of the bone.
+
+    The offset is what the navigation adds to a place of the scan, about a centre, RAS.
+    """
+    offset = found.offset
+    parts = {
+        "translation, mm": (offset.translation_mm, offset.deviation_mm),
+        "rotation, degrees": (offset.rotation_deg, offset.deviation_deg),
+    }
+    return (
+        found.navigation,
+        *(
+            f"{name}: {_numbers(one)} +- {_numbers(d)}"
+            for name, (one, d) in parts.items()
+        ),
+        f"about, mm: {_numbers(offset.centre_mm)}",
+        *(
+            f"{one}, weight {one.weight:.2f}"
+            for one in found.misfits
+            if one.kind == "bone"
+        ),
+    )
+
+
+def _numbers(vector: FloatArray) -> str:
+    return " ".join(f"{value:.4f}" for value in vector)

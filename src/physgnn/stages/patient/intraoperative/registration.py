@@ -34,7 +34,8 @@ from physgnn.stages.patient.intraoperative.state_series import (
 from physgnn.stages.patient.intraoperative.state_table import read_states
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
-    from physgnn.registration.registrar import Registrar, Registration
+    from physgnn.registration.registrar import Registrar
+from physgnn.registration.result import Registration
 
 
 @writes(
@@ -54,6 +55,8 @@ def register(
     surface: str | Path | None = None,
     whole_surface: str | Path | None = None,
     intraoperative: str | Path | None = None,
+    bone: str | Path | None = None,
+    bone_target: str | Path | None = None,
     series: str | Path | None = None,
     initial_transform: str | Path | None = None,
     transformed: str = "both",
@@ -61,6 +64,7 @@ def register(
     landmark_noise_mm: float | None = None,
     surface_noise_mm: float | None = None,
     whole_surface_noise_mm: float | None = None,
+    bone_noise_mm: float | None = None,
     rigid_offset: bool = False,
     backend: str = "auto",
     contrast: str = "t1",
@@ -104,6 +108,10 @@ def register(
     intraoperative : path
         An MR scan of the head now, whose brain is segmented and taken as the whole
         surface; or a label map of it.
+    bone, bone_target : path, optional
+        Points of the bone in the scan and where the navigation finds them now, as
+        `points` and `target`. They don't move with the brain, so they tell the rigid
+        offset of the navigation, which is then corrected in everything measured.
     series : path, optional
         CSV with a row for each state of the operation, which are registered one after
         the other: columns ``name`` or ``time``, and the arguments above that name what
@@ -117,12 +125,13 @@ def register(
         `physgnn.stages.patient.intraoperative.measured_files.TRANSFORMED`).
     noise_mm : float
         Standard deviation of each coordinate measured, mm.
-    landmark_noise_mm, surface_noise_mm, whole_surface_noise_mm : float, optional
+    landmark_noise_mm, surface_noise_mm, whole_surface_noise_mm, bone_noise_mm : float
         Of these kinds; by default `noise_mm`.
         An intraoperative scan is a whole surface: its default is 2 mm if `noise_mm` is
         less.
     rigid_offset : bool
-        Correct a rigid offset of the navigation.
+        Correct a rigid offset of the navigation that the brain alone tells of. Without
+        `bone`, one into the brain can't be told from a brain that sank.
     backend, contrast, any_size
         Of an intraoperative scan: see `physgnn.segment`.
     picture : path, optional
@@ -151,8 +160,9 @@ def register(
         Ready for this mesh, from an earlier call of
         `ready_registrar` in the module `patient_body` beside this one.
     log : callable
-        Called with which measured points were left out, and why, with the outliers, and
-        with what the image's header leaves open.
+        Called with which measured points were left out, and why, with the outliers,
+        with what the image's header leaves open, and where no bone checked the
+        navigation.
 
     Returns
     -------
@@ -176,12 +186,15 @@ def register(
         surface=surface,
         whole_surface=whole_surface,
         intraoperative=intraoperative,
+        bone=bone,
+        bone_target=bone_target,
         initial_transform=initial_transform,
     )
     noises = {
         "landmarks": landmark_noise_mm,
         "surface": surface_noise_mm,
         "whole surface": whole_surface_noise_mm,
+        "bone": bone_noise_mm,
     }
     how = HowToRegister(
         noise_mm=noise_mm,

@@ -6,13 +6,15 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from physgnn.geometry.image import Image
 from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.registration_page.case import RegisteredCase
-    from physgnn.registration.registrar import Registration
+    from physgnn.registration.result import Registration
 
 PAGE = "report.html"
 
@@ -33,7 +35,9 @@ def registered_case(
     from physgnn.evaluation.registration_page.case import RegisteredCase
     from physgnn.evaluation.registration_page.places import measured_places
 
-    places = measured_places(mesh, found.prediction.displacement, measured)
+    u, offset = found.prediction.displacement, found.offset
+    undone = offset.undone if offset.corrected else np.asarray
+    places = measured_places(mesh, u, measured, undone)
     # of a large surface some points were used, which have no names
     if len(places) == len(found.misfits):
         places = tuple(
@@ -55,7 +59,10 @@ def registered_case(
         places=places,
         noise_mm=noise_mm,
         image=image,
-        facts={"made by": f"physgnn {version('physgnn')}"},
+        facts={
+            "made by": f"physgnn {version('physgnn')}",
+            "navigation": found.navigation,
+        },
     )
 
 

@@ -9,7 +9,7 @@ import pyvista as pv
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
-from physgnn.geometry.measured import Landmarks, PointPairs
+from physgnn.geometry.measured import BonePoints, Landmarks, PointPairs
 from physgnn.geometry.regions import BRAIN, region_label, region_name
 from physgnn.geometry.tetmesh import TetMesh, without_unused_points
 from physgnn.mechanics.resection import remove_region
@@ -46,7 +46,7 @@ class Resected:
             In the space of the mesh; surfaces may lie anywhere.
         """
         for one in measured:
-            if not isinstance(one, PointPairs):
+            if not isinstance(one, PointPairs) or isinstance(one, BonePoints):
                 continue
             to_wall = _distance(self.remaining, one.source)
             gone = (to_wall > WALL_MM) & (_distance(self.removed, one.source) < to_wall)

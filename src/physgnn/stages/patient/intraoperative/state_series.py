@@ -36,12 +36,13 @@ from physgnn.stages.patient.intraoperative.patient_body import (
 from physgnn.stages.patient.intraoperative.state_table import StateRow
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
-    from physgnn.registration.registrar import Registrar, Registration
+    from physgnn.registration.registrar import Registrar
+from physgnn.registration.result import Registration
 
 RESULTS, PVD, RECORD = "results.csv", "series.pvd", "states.json"
 COLUMNS = (
     "status", "reasons", "largest_mm", "bound_mean_mm", "bound_max_mm", "misfit_mm",
-    "held_out_mm", "outliers", "offset_mm",
+    "held_out_mm", "outliers", "offset_mm", "bone",
 )  # fmt: skip
 
 
@@ -229,6 +230,7 @@ def figures_of(found: "Registration") -> dict[str, Any]:
         "held_out_mm": round(held_out, 4) if np.isfinite(held_out) else None,
         "outliers": len(found.outliers),
         "offset_mm": round(found.offset.length_mm, 4),
+        "bone": "" if found.bone is None else str(found.bone),
     }
 
 

@@ -7,7 +7,7 @@ from physgnn.errors import InputError
 from physgnn.io.untrusted.csv_table import SAFE_NAME, checked_cells, csv_rows
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.text import read_text
-from physgnn.stages.patient.intraoperative.measured_files import MeasuredFiles
+from physgnn.stages.patient.intraoperative.measured_files import BESIDES, MeasuredFiles
 
 NAME, TIME = "name", "time"
 FILES = tuple(field.name for field in fields(MeasuredFiles))
@@ -107,8 +107,10 @@ def _state(
         if not file.exists():
             raise InputError(f"line {line}: {role}: there is no {file}")
     files = replace(common, **own)
-    if not set(files.paths) - {"initial_transform", "target", "landmarks_target"}:
-        raise InputError(f"line {line}: '{name}' has nothing measured: name a file")
+    if not set(files.paths) - BESIDES:
+        raise InputError(
+            f"line {line}: '{name}' has nothing measured of the brain: name a file"
+        )
     return StateRow(name, time, files)
 
 

@@ -46,6 +46,9 @@ ROLES: Mapping[str, Role] = {
     "landmarks after": Role("landmarks after", "landmarks_target"),
     "whole surface": Role("whole surface", "whole_surface"),
     "intraoperative": Role("scan of the operation", "intraoperative"),
+    "bone": Role("pairs of bone points", "bone"),
+    "bone before": Role("bone points of the scan", "bone"),
+    "bone after": Role("bone points now", "bone_target"),
     "initial transform": Role("initial transform", "initial_transform"),
 }
 SCANS = (".nii.gz", ".nii", ".nrrd", ".mha", ".mgz")  # of one file each
