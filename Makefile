@@ -1,11 +1,12 @@
 # make setup   install into .venv           make demo    the whole job on a bundled brain
 # make test    everything that checks us    make bundled the models in the package
 # make docs    the site, in site/              make clean   remove what these made
+# make bench   the benchmarks of speed, in bench/
 #
 # The tests run in JOBS processes of one thread each; with make --jobs 3 test the other
 # checks run beside them. PYTHON picks the interpreter (3.11 to 3.13). PyTorch comes in its
 # CPU build where its index can be reached; TORCH=pypi takes what PyPI has, on Linux with
-# 3 GB of CUDA. PIP_FLAGS goes to pip.
+# 3 GB of CUDA. PIP_FLAGS goes to pip, BENCH_FLAGS to the benchmarks.
 
 PYTHON ?= python3
 JOBS ?= 2
@@ -23,7 +24,7 @@ endif
 
 ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
 
-.PHONY: setup demo bundled docs test style types layers tests clean
+.PHONY: setup demo bundled bench docs test style types layers tests clean
 
 setup: $(STAMP)
 
@@ -39,6 +40,9 @@ demo: setup
 bundled: setup
 	$(BIN)/physgnn bundle data/bundled
 	$(BIN)/physgnn bundle data/family --family
+
+bench: setup
+	$(BIN)/python benchmarks/bench.py -o bench $(BENCH_FLAGS)
 
 docs: setup
 	$(BIN)/properdocs build --strict --quiet --config-file mkdocs.yml
@@ -60,5 +64,5 @@ tests: setup
 	$(ONE_THREAD) $(BIN)/pytest --numprocesses $(JOBS) --dist loadfile --no-loadscope-reorder
 
 clean:
-	rm -rf $(VENV) demo site src/*.egg-info .*_cache
+	rm -rf $(VENV) demo site bench src/*.egg-info .*_cache
 	find src tests benchmarks examples -name __pycache__ -prune -exec rm -rf {} +
