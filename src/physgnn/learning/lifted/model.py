@@ -8,15 +8,13 @@ body's own axes, so that a body turned with its load has its displacement turned
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.storage.store import Store
-from physgnn.dataset.training_loads import strongest_forces
 from physgnn.errors import InputError
 from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
@@ -35,6 +33,9 @@ from physgnn.mechanics.reduced.expansions.anchors import mean_load_anchors
 from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
 from physgnn.mechanics.reduced.pod_galerkin.pod import leading_modes
 from physgnn.mechanics.reduced.submodels.near_loads import NearLoads
+
+if TYPE_CHECKING:
+    from physgnn.dataset.storage.store import Store
 
 MAX_SNAPSHOTS = 600  # more don't change the modes that pay, and cost memory
 HIDDEN = 64  # of the small network from modes to modes
@@ -124,8 +125,10 @@ class LiftedModel(Network):
             self._expansion = AsymptoticExpansion(self._turned, states, threads=threads)
         return self._expansion
 
-    def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
+    def fit(self, store: "Store", samples: IntArray, seed: int = 0) -> None:
         """Find the anchors, the points near loads, and the modes."""
+        from physgnn.dataset.training_loads import strongest_forces
+
         del seed
         self.expect(strongest_forces(store, samples))
         if len(self.modes):
@@ -194,7 +197,7 @@ class LiftedModel(Network):
             if inverted < 0 and force[free].any():
                 yield LoadCase(free, force[free])
 
-    def _fit_modes(self, store: Store, samples: IntArray) -> None:
+    def _fit_modes(self, store: "Store", samples: IntArray) -> None:
         every = max(len(samples) // MAX_SNAPSHOTS, 1)
         missed, terms = [], []
         for path, level in samples[::every]:
