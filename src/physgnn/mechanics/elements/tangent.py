@@ -1,6 +1,7 @@
 """The tangent matrix: its pattern once a mesh, its values at every state."""
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -23,6 +24,8 @@ from physgnn.mechanics.elements.tet4 import (
     mean_state,
 )
 from physgnn.mechanics.materials import table
+
+Real = TypeVar("Real", bound=np.floating[Any])
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +60,7 @@ class Pattern:
         """Number of free degrees of freedom."""
         return 3 * len(self.free)
 
-    def unknowns(self, fields: FloatArray) -> FloatArray:
+    def unknowns(self, fields: NDArray[Real]) -> NDArray[Real]:
         """Return the free components (…, n_unknowns) of fields (…, n_points, 3)."""
         return fields[..., self.free, :].reshape(*fields.shape[:-2], self.n_unknowns)
 
@@ -68,9 +71,10 @@ class Pattern:
         """
         values[self.indptr[:-1]] += np.repeat(per_point[self.free], 3)
 
-    def on_points(self, unknowns: FloatArray) -> FloatArray:
+    def on_points(self, unknowns: NDArray[Real]) -> NDArray[Real]:
         """Return fields (…, n_points, 3) of unknowns (…, n_unknowns); zero if held."""
-        fields = np.zeros((*unknowns.shape[:-1], len(self.row), 3))
+        shape = (*unknowns.shape[:-1], len(self.row), 3)
+        fields = np.zeros(shape, dtype=unknowns.dtype)
         fields[..., self.free, :] = unknowns.reshape(*unknowns.shape[:-1], -1, 3)
         return fields
 

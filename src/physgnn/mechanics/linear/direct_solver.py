@@ -36,7 +36,7 @@ class LinearSolver(Protocol):
     def factorize(self, data: FloatArray) -> bool:
         """Factorise K from the pattern's values; False if not positive definite."""
 
-    def solve(self, right: FloatArray) -> FloatArray:
+    def solve(self, right: NDArray[np.floating[Any]]) -> FloatArray:
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
 
 
@@ -139,7 +139,7 @@ class PardisoSolver:
             self._analysed = True
         return self._call(_FACTORISE, empty, empty, 1) == 0
 
-    def solve(self, right: FloatArray) -> FloatArray:
+    def solve(self, right: NDArray[np.floating[Any]]) -> FloatArray:
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
         b = np.ascontiguousarray(right, dtype=self._dtype)
         x = np.zeros_like(b)
@@ -266,7 +266,7 @@ class SuperLUSolver:
         # Without pivoting, U's diagonal holds the pivots: all positive if K is.
         return bool((self._factor.U.diagonal() > 0).all())
 
-    def solve(self, right: FloatArray) -> FloatArray:
+    def solve(self, right: NDArray[np.floating[Any]]) -> FloatArray:
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
         return np.ascontiguousarray(self._factor.solve(np.asarray(right).T).T)
 
