@@ -1,5 +1,7 @@
 """How a deformed body responds to a little more force: K(u)⁻¹ f."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -102,7 +104,8 @@ class TangentResponse:
         forces : (k, n_points, 3) array
             N.
         """
-        moved = self._linear.solve(self._pattern.unknowns(forces))
+        right: NDArray[Any] = self._pattern.unknowns(forces)
+        moved = self._linear.solve(right)
         return self._pattern.on_points(moved.astype(np.float32))
 
     def backward(

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
-import scipy.sparse as sp
 from numba import njit
 from numpy.typing import NDArray
 
@@ -95,8 +94,8 @@ def make_pattern(
         pairs = _pairs(averaging.start, averaging.points)
         first = np.concatenate([first, row[pairs[0]]])
         second = np.concatenate([second, row[pairs[1]]])
-    blocks, slot = _rank_blocks(first, second, len(free))
-    indptr, indices = _expand_blocks(blocks.indptr, blocks.indices)
+    block_indptr, block_indices, slot = _rank_blocks(first, second, len(free))
+    indptr, indices = _expand_blocks(block_indptr, block_indices)
     n_cell_pairs = 16 * len(cells)
     cell_slot, group_slot = slot[:n_cell_pairs], slot[n_cell_pairs:]
     return Pattern(free, indptr, indices, cell_slot.reshape(-1, 4, 4), row, group_slot)
@@ -104,19 +103,16 @@ def make_pattern(
 
 def _rank_blocks(
     first: NDArray[np.int32], second: NDArray[np.int32], n_free: int
-) -> tuple[sp.csr_matrix, NDArray[np.int32]]:
-    """Return the upper blocks' pattern and every pair's rank in its row, or −1."""
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+    """Return the upper blocks in CSR, and every pair's rank in its row, or −1."""
     used = (first >= 0) & (second >= first)
-    blocks = sp.coo_matrix(
-        (np.ones(used.sum()), (first[used], second[used])), shape=(n_free,) * 2
-    ).tocsr()
-    blocks.sort_indices()
-    key = np.repeat(np.arange(n_free), np.diff(blocks.indptr)) * n_free
-    place = np.searchsorted(
-        key + blocks.indices, first.astype(np.int64) * n_free + second
-    )
-    rank = place - blocks.indptr[np.maximum(first, 0)]
-    return blocks, np.where(used, rank, -1).astype(np.int32)
+    key = first[used].astype(np.int64) * n_free + second[used]
+    blocks, place = np.unique(key, return_inverse=True)
+    row, column = np.divmod(blocks, n_free)
+    indptr = np.searchsorted(row, np.arange(n_free + 1)).astype(np.int32)
+    rank = np.full(len(first), -1, dtype=np.int32)
+    rank[used] = place - indptr[first[used]]
+    return indptr, column.astype(np.int32), rank
 
 
 @njit(cache=True)

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
@@ -36,7 +35,7 @@ class LinearSolver(Protocol):
     def factorize(self, data: FloatArray) -> bool:
         """Factorise K from the pattern's values; False if not positive definite."""
 
-    def solve(self, right: NDArray[np.floating[Any]]) -> FloatArray:
+    def solve(self, right: FloatArray) -> FloatArray:
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
 
 
@@ -139,7 +138,7 @@ class PardisoSolver:
             self._analysed = True
         return self._call(_FACTORISE, empty, empty, 1) == 0
 
-    def solve(self, right: NDArray[np.floating[Any]]) -> FloatArray:
+    def solve(self, right: FloatArray) -> FloatArray:
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
         b = np.ascontiguousarray(right, dtype=self._dtype)
         x = np.zeros_like(b)
@@ -250,6 +249,7 @@ class SuperLUSolver:
 
     def factorize(self, data: FloatArray) -> bool:
         """Factorise K; False if it is not positive definite."""
+        import scipy.sparse as sp
         from scipy.sparse.linalg import splu
 
         upper = sp.csr_matrix((data, self._indices, self._indptr), shape=self._shape)
@@ -266,7 +266,7 @@ class SuperLUSolver:
         # Without pivoting, U's diagonal holds the pivots: all positive if K is.
         return bool((self._factor.U.diagonal() > 0).all())
 
-    def solve(self, right: NDArray[np.floating[Any]]) -> FloatArray:
+    def solve(self, right: FloatArray) -> FloatArray:
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
         return np.ascontiguousarray(self._factor.solve(np.asarray(right).T).T)
 
