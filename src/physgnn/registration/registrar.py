@@ -294,8 +294,4 @@ class Registrar:
                 "the fixed points don't hold the body: its stiffness matrix is "
                 "singular; fix at least three points that are not in line"
             )
-
-        def solve(forces: FloatArray) -> FloatArray:
-            return self.tangent.solve(forces.astype(np.float32)).astype(np.float64)
-
-        return solve
+        return self.tangent.solve

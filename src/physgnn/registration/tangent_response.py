@@ -96,15 +96,15 @@ class TangentResponse:
         self._support.add_tangent(self._pattern, data)
         return inner if self._linear.factorize(data) else None
 
-    def solve(self, forces: Fields) -> Fields:
+    def solve(self, forces: NDArray[Any]) -> Fields:
         """Return K⁻¹ f by the tangent that was factorised last, mm.
 
         Parameters
         ----------
         forces : (k, n_points, 3) array
-            N.
+            N; taken in single precision, as the factor is.
         """
-        right: NDArray[Any] = self._pattern.unknowns(forces)
+        right: NDArray[Any] = self._pattern.unknowns(forces.astype(np.float32))
         moved = self._linear.solve(right)
         return self._pattern.on_points(moved.astype(np.float32))
 
