@@ -15,7 +15,8 @@ import numpy as np
 
 from held_out import Log, lengths, spread
 from physgnn.dataset import Store, named_split
-from physgnn.learning.lifted.model import LiftedModel, body_axes
+from physgnn.learning.lifted.model import LiftedModel
+from physgnn.learning.lifted.own_axes import body_axes
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.surrogate import FromFunction

@@ -5,7 +5,6 @@ import importlib.metadata
 import pytest
 import torch
 
-import physgnn.versions
 from physgnn.versions import release
 
 
@@ -13,7 +12,7 @@ from physgnn.versions import release
 def test_the_build_is_no_part_of_it(
     build: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(physgnn.versions, "version", lambda _: build)
+    monkeypatch.setattr(importlib.metadata, "version", lambda _: build)
     assert release("torch") == "2.13.0"
 
 

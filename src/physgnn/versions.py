@@ -1,7 +1,5 @@
 """Which release of a package is installed, for records of where numbers come from."""
 
-from importlib.metadata import version
-
 
 def release(package: str) -> str:
     """Return the release of an installed package, without the mark of its build.
@@ -24,4 +22,6 @@ def release(package: str) -> str:
     importlib.metadata.PackageNotFoundError
         If it is not installed.
     """
+    from importlib.metadata import version  # takes longer than any help
+
     return version(package).partition("+")[0]

@@ -3,31 +3,30 @@
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    Progress,
-    SpinnerColumn,
-    Task,
-    TaskProgressColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
 from physgnn.progress import Progress as Callback
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # rich takes longer to import than any help
+    from rich.console import Console
+    from rich.progress import Task
+
     from physgnn.prediction.status import PredictionStatus
 
-err = Console(stderr=True)
-"""Progress and errors; standard output holds results only."""
 SECONDS_A_LINE = 60.0
 NOT_USABLE = 3  # exit code; the file is written nevertheless
+
+
+@cache
+def _err() -> "Console":
+    """Return where progress and errors go; standard output holds results only."""
+    from rich.console import Console
+
+    return Console(stderr=True)
 
 
 @contextmanager
@@ -37,6 +36,17 @@ def progress(title: str, *, transient: bool = False) -> Iterator[Callback]:
     A transient bar is wiped away at the end. Where no terminal shows it, as in the log
     of a run left alone, a line a minute takes its place.
     """
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        SpinnerColumn,
+        TaskProgressColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    err = _err()
     bar = Progress(
         SpinnerColumn(),
         TextColumn("{task.description}"),
@@ -65,7 +75,7 @@ def progress(title: str, *, transient: bool = False) -> Iterator[Callback]:
         yield move
 
 
-def _line(task: Task) -> str:
+def _line(task: "Task") -> str:
     left = "" if task.time_remaining is None else f", {task.time_remaining:.0f} s left"
     return (
         f"{task.description}: {task.percentage:.1f} % after {task.elapsed or 0:.0f} s"
@@ -100,4 +110,4 @@ def conclude_stored(path: Path) -> None:
 
 def say(line: str) -> None:
     """Write a line about what is going on."""
-    err.print(line, markup=False, highlight=False, soft_wrap=True)
+    _err().print(line, markup=False, highlight=False, soft_wrap=True)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from physgnn.arrays import IntArray
 from physgnn.dataset.size_bound import check_dataset_size
@@ -90,6 +89,8 @@ class MeasuredPlaces:
 
     def on(self, mesh: TetMesh) -> PrescribedDisplacement:
         """Return the load on a mesh; InputError if a point is far from its surface."""
+        from scipy.spatial import cKDTree
+
         pairs = read_point_pairs(self.file)
         surface = boundary_points(mesh)
         distance, nearest = cKDTree(mesh.points[surface]).query(pairs.source)

@@ -34,10 +34,12 @@ def region_faces(mesh: TetMesh, label: int) -> FaceArray:
 
 def _faces_of_one(cells: NDArray[np.int32]) -> FaceArray:
     faces = cells[:, CELL_FACES].reshape(-1, 3)
-    _, first, count = np.unique(
-        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
-    )
-    outer: FaceArray = faces[np.sort(first[count == 1])]
+    corners = np.sort(faces, axis=1)
+    order = np.lexsort(corners.T)
+    same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
+    once = np.ones(len(faces), dtype=np.bool_)
+    once[order[1:][same]] = once[order[:-1][same]] = False
+    outer: FaceArray = faces[once]
     return outer
 
 

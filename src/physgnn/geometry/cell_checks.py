@@ -6,8 +6,6 @@ cells on one side of a face overlap: one of them comes twice, or the mesh is tor
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
@@ -125,6 +123,9 @@ def _turned(faces: Indices) -> Indices:
 
 def connected_cells(cells: Indices) -> IntArray:
     """Return the part each cell belongs to, from 0; a part shares whole faces."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     keys = _face_keys(cells, sided=False)
     order = np.argsort(keys)
     same = np.flatnonzero(keys[order[1:]] == keys[order[:-1]])

@@ -6,7 +6,6 @@ bodies and of measured points asks here.
 """
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
@@ -134,6 +133,8 @@ def check_same_units(points: FloatArray, body: FloatArray, what: str) -> None:
         If they fit the body three times better in metres, centimetres, inches or
         micrometres.
     """
+    from scipy.spatial import KDTree
+
     tree = KDTree(body)
     extent, whole = (float(np.linalg.norm(np.ptp(x, axis=0))) for x in (points, body))
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import ndimage
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
@@ -161,6 +160,8 @@ def round_trip_mm(forward: DisplacementField, inverse: DisplacementField) -> Flo
     (n_voxels,) array
         Distances, mm.
     """
+    from scipy import ndimage
+
     inside = inverse.inside
     x = inverse.grid.to_world(np.argwhere(inside))
     X = x + inverse.vectors[inside]
@@ -187,6 +188,8 @@ def _extended(
     direction: Literal["forward", "inverse"],
     fade_mm: float,
 ) -> DisplacementField:
+    from scipy import ndimage
+
     if not inside.any():
         raise InputError(
             "mesh and image do not meet: check that both are in the same world "

@@ -4,17 +4,16 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import SimpleITK as sitk
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.imaging.field import DisplacementField
 from physgnn.imaging.transforms import from_itk, resampling_transform, to_itk
 
-INTERPOLATIONS: Mapping[str, int] = {
-    "linear": sitk.sitkLinear,
-    "nearest": sitk.sitkNearestNeighbor,
-    "cubic": sitk.sitkBSpline,
+INTERPOLATIONS: Mapping[str, str] = {
+    "linear": "sitkLinear",
+    "nearest": "sitkNearestNeighbor",
+    "cubic": "sitkBSpline",
 }
 
 
@@ -45,6 +44,8 @@ def warp(
         If the interpolation is unknown or mixes the labels of a label map, or the field
         is a forward one.
     """
+    import SimpleITK as sitk
+
     is_labels = isinstance(image, LabelVolume)
     name = interpolation or ("nearest" if is_labels else "linear")
     if name not in INTERPOLATIONS:
@@ -60,7 +61,6 @@ def warp(
         image = Image(np.asarray(image.data, dtype=np.float32), image.affine)
     moving = to_itk(image)
     transform = resampling_transform(inverse)
-    moved = from_itk(
-        sitk.Resample(moving, moving, transform, INTERPOLATIONS[name], 0.0)
-    )
+    between = getattr(sitk, INTERPOLATIONS[name])
+    moved = from_itk(sitk.Resample(moving, moving, transform, between, 0.0))
     return replace(image, data=moved.data)

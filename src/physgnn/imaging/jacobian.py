@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-import SimpleITK as sitk
 
 from physgnn.arrays import FloatArray
 from physgnn.geometry.image import Image, ImageGrid
@@ -92,6 +91,8 @@ def folding(
     Folding
         How many cells and voxels fold, which is where the determinant is 0 or less.
     """
+    import SimpleITK as sitk
+
     jacobian = cell_jacobians(mesh, displacement)
     image = sitk.DisplacementFieldJacobianDeterminant(vectors_to_itk(inverse))
     folded = sitk.GetArrayViewFromImage(image).T <= 0

@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
-import pyvista as pv
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.image import Image
@@ -33,6 +32,8 @@ def without_tissue(image: AnyImage, removed: TetMesh) -> AnyImage:
 
 def points_within(removed: TetMesh, points: FloatArray) -> BoolArray:
     """Return which points (n, 3) of the rest state lie in removed tissue."""
+    import pyvista as pv
+
     grid = pv.UnstructuredGrid({pv.CellType.TETRA: removed.cells}, removed.points)
     found: Any = grid.find_containing_cell(points)
     inside: BoolArray = np.atleast_1d(found) >= 0

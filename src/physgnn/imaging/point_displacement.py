@@ -8,7 +8,6 @@ its surface fades to zero along a straight line, over the same length as in imag
 from dataclasses import dataclass
 
 import numpy as np
-import pyvista as pv
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
@@ -94,6 +93,8 @@ def _on_surface(
     mesh: TetMesh, u: FloatArray, points: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return u at the nearest places of the mesh's surface, and their distance."""
+    import pyvista as pv
+
     faces = boundary_faces(mesh).astype(int)
     surface = pv.PolyData.from_regular_faces(mesh.points, faces)
     cells, nearest = surface.find_closest_cell(points, return_closest_point=True)

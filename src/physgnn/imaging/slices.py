@@ -1,11 +1,9 @@
 """Slices before and after, and a checkerboard of both."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import nibabel as nib
 import numpy as np
-from matplotlib.figure import Figure
-from nibabel.orientations import apply_orientation, io_orientation
 from numpy.typing import ArrayLike
 
 from physgnn.arrays import BoolArray, FloatArray, IntArray
@@ -14,6 +12,9 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.imaging.field import grid_around, inverse_field
 from physgnn.imaging.image_warping import warp
 from physgnn.imaging.labels import deformed_labels
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SQUARE_MM = 20.0
 PANEL_INCHES = 3.2
@@ -24,7 +25,7 @@ LABEL_MM = 1.0  # voxels of the label map drawn for want of an image
 PLANES = {"sagittal": (0, 1, 2), "coronal": (1, 0, 2), "axial": (2, 0, 1)}
 
 
-def before_after(before: Image, after: Image, centre_mm: ArrayLike) -> Figure:
+def before_after(before: Image, after: Image, centre_mm: ArrayLike) -> "Figure":
     """Draw three planes through a point: before, after, and squares of each in turn.
 
     Parameters
@@ -40,6 +41,8 @@ def before_after(before: Image, after: Image, centre_mm: ArrayLike) -> Figure:
         Seen from the front, above and the right, as a neurosurgeon has it in RAS: the
         patient's right is on the right.
     """
+    from matplotlib.figure import Figure
+
     first, affine = _upright(before)
     second, _ = _upright(after)
     sizes = np.linalg.norm(affine[:3, :3], axis=0)
@@ -94,11 +97,13 @@ class Overlay:
     fades: bool = False
 
 
-def overlaid(image: Image, overlay: Overlay, centre_mm: ArrayLike) -> Figure:
+def overlaid(image: Image, overlay: Overlay, centre_mm: ArrayLike) -> "Figure":
     """Draw three planes through a point with values in colours over them.
 
     Seen as in `before_after`.
     """
+    from matplotlib.figure import Figure
+
     grey, affine = _upright(image)
     values, _ = _upright(Image(np.asarray(overlay.values), image.affine))
     shown, _ = _upright(Image(overlay.shown.astype(np.uint8), image.affine))
@@ -143,7 +148,7 @@ def _opacity(values: FloatArray, overlay: Overlay) -> FloatArray:
 
 def slices_of_shift(
     mesh: TetMesh, displacement: FloatArray, image: Image | None = None
-) -> Figure:
+) -> "Figure":
     """Draw a body before and after a shift, through the place that moves most.
 
     Parameters
@@ -193,6 +198,9 @@ def _window(image: Image) -> tuple[float, float]:
 
 def _upright(image: Image) -> tuple[FloatArray, FloatArray]:
     """Return data and affine with the axes nearest to right, anterior and superior."""
+    import nibabel as nib
+    from nibabel.orientations import apply_orientation, io_orientation
+
     turn = io_orientation(image.affine)
     data = np.asarray(image.data, dtype=np.float64)
     affine = image.affine @ nib.orientations.inv_ornt_aff(turn, data.shape)

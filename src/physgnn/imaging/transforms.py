@@ -5,15 +5,20 @@ signs of x and y. ITK's transforms map a point of the resampled image to the poi
 the input it shows: they are the inverse of the finite-element displacement.
 """
 
-import nibabel as nib
+from typing import TYPE_CHECKING
+
 import numpy as np
-import SimpleITK as sitk
 from numpy.typing import ArrayLike
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image, ImageGrid
-from physgnn.imaging.field import DisplacementField
+
+if TYPE_CHECKING:
+    import nibabel as nib
+    import SimpleITK as sitk
+
+    from physgnn.imaging.field import DisplacementField
 
 RAS_TO_LPS = np.diag([-1.0, -1.0, 1.0])
 NIFTI_INTENT_VECTOR = 1007
@@ -21,13 +26,17 @@ TO_RAS = {"RAS": np.eye(3), "LPS": RAS_TO_LPS, "LAS": np.diag([-1.0, 1.0, 1.0])}
 """From the axes that headers of images name to RAS."""
 
 
-def to_itk(image: Image) -> sitk.Image:
+def to_itk(image: Image) -> "sitk.Image":
     """Return an image as SimpleITK has it: the same place in the world, in LPS."""
+    import SimpleITK as sitk
+
     return _placed(sitk.GetImageFromArray(np.asarray(image.data).T), image.grid)
 
 
-def from_itk(image: sitk.Image) -> Image:
+def from_itk(image: "sitk.Image") -> Image:
     """Return a SimpleITK image in RAS+."""
+    import SimpleITK as sitk
+
     affine = affine_from_itk(
         image.GetDirection(), image.GetSpacing(), image.GetOrigin()
     )
@@ -56,13 +65,17 @@ def affine_in_lps(affine: FloatArray) -> FloatArray:
     return affine_in_ras(affine, "LPS")  # the same signs turn, there and back
 
 
-def vectors_to_itk(field: DisplacementField) -> sitk.Image:
+def vectors_to_itk(field: "DisplacementField") -> "sitk.Image":
     """Return a field as a vector image, components in LPS."""
+    import SimpleITK as sitk
+
     lps = np.ascontiguousarray(_to_lps(field.vectors).transpose(2, 1, 0, 3))
     return _placed(sitk.GetImageFromArray(lps, isVector=True), field.grid)
 
 
-def resampling_transform(inverse: DisplacementField) -> sitk.DisplacementFieldTransform:
+def resampling_transform(
+    inverse: "DisplacementField",
+) -> "sitk.DisplacementFieldTransform":
     """Return the transform that shows a rest image deformed.
 
     Raises
@@ -70,11 +83,13 @@ def resampling_transform(inverse: DisplacementField) -> sitk.DisplacementFieldTr
     InputError
         If the field is a forward one.
     """
+    import SimpleITK as sitk
+
     require_inverse(inverse)
     return sitk.DisplacementFieldTransform(vectors_to_itk(inverse))
 
 
-def to_itk_nifti(inverse: DisplacementField) -> nib.Nifti1Image:
+def to_itk_nifti(inverse: "DisplacementField") -> "nib.Nifti1Image":
     """Return ITK's and ANTs's displacement image: (nx, ny, nz, 1, 3), LPS, inverse.
 
     Raises
@@ -82,6 +97,8 @@ def to_itk_nifti(inverse: DisplacementField) -> nib.Nifti1Image:
     InputError
         If the field is a forward one.
     """
+    import nibabel as nib
+
     require_inverse(inverse)
     data = _to_lps(inverse.vectors)[..., None, :].astype(np.float32)
     image = nib.Nifti1Image(data, inverse.grid.affine)
@@ -89,20 +106,22 @@ def to_itk_nifti(inverse: DisplacementField) -> nib.Nifti1Image:
     return image
 
 
-def to_ras_nifti(field: DisplacementField) -> nib.Nifti1Image:
+def to_ras_nifti(field: "DisplacementField") -> "nib.Nifti1Image":
     """Return a field as (nx, ny, nz, 3), RAS+, in its own direction."""
+    import nibabel as nib
+
     image = nib.Nifti1Image(field.vectors.astype(np.float32), field.grid.affine)
     image.header["descrip"] = f"{field.direction} displacement, mm, RAS".encode()
     return image
 
 
-def require_inverse(field: DisplacementField) -> None:
+def require_inverse(field: "DisplacementField") -> None:
     """Raise InputError if a field is not the one that resampling needs."""
     if field.direction != "inverse":
         raise InputError("resampling needs the inverse field (got the forward one)")
 
 
-def _placed(image: sitk.Image, grid: ImageGrid) -> sitk.Image:
+def _placed(image: "sitk.Image", grid: ImageGrid) -> "sitk.Image":
     directions = RAS_TO_LPS @ grid.affine[:3, :3] / grid.voxel_mm
     image.SetOrigin((RAS_TO_LPS @ grid.affine[:3, 3]).tolist())
     image.SetSpacing(grid.voxel_mm.tolist())

@@ -13,13 +13,6 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
-from physgnn.imaging import (
-    FADE_PER_DISPLACEMENT,
-    deformed_labels,
-    forward_field,
-    grid_around,
-    inverse_field,
-)
 from physgnn.io.medical.images.formats import WRITTEN, write_image
 from physgnn.io.medical.images.nifti import SUFFIXES
 from physgnn.io.medical.transforms import write_field
@@ -79,6 +72,8 @@ class DisplacementFields:
     @property
     def voxels(self) -> ImageGrid:
         """The grid, or one that holds the body and the fade around it."""
+        from physgnn.imaging import FADE_PER_DISPLACEMENT, grid_around
+
         if self.grid is not None:
             return self.grid
         largest = float(np.linalg.norm(self.displacement, axis=1).max())
@@ -143,16 +138,22 @@ def _write_deformed(path: Path, fields: DisplacementFields) -> None:
 
 
 def _write_forward(path: Path, fields: DisplacementFields) -> None:
+    from physgnn.imaging import forward_field
+
     field = forward_field(fields.mesh, fields.displacement, fields.voxels)
     write_field(path, field, convention="ras", note=fields.status)
 
 
 def _write_inverse(path: Path, fields: DisplacementFields) -> None:
+    from physgnn.imaging import inverse_field
+
     field = inverse_field(fields.mesh, fields.displacement, fields.voxels)
     write_field(path, field, note=fields.status)
 
 
 def _write_labels(path: Path, fields: DisplacementFields) -> None:
+    from physgnn.imaging import deformed_labels
+
     labels = deformed_labels(fields.mesh, fields.displacement, fields.voxels)
     write_image(path, labels, note=fields.status)
 

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
@@ -170,6 +169,8 @@ def _snapped(
     snap_mm: float,
 ) -> tuple[IntArray, FloatArray]:
     """Return the nearest surface nodes and the sum of the forces on each."""
+    from scipy.spatial import cKDTree
+
     if len(points) != len(forces):
         raise InputError(
             f"{FORCES} must have one force a point (got {len(forces)} forces for "

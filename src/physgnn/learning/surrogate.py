@@ -21,19 +21,21 @@ default. Nothing here needs torch; a network that is trained step by step derive
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import ELEMENTS
 from physgnn.mechanics.equilibrium.reference_states import NearestReference
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadCase
+
+if TYPE_CHECKING:
+    from physgnn.dataset.storage.store import Store
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -68,7 +70,7 @@ class Surrogate(ABC):
     def predict(self, load_case: LoadCase) -> FloatArray:
         """Return the displacement under a load, (n_points, 3) float64, mm."""
 
-    def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
+    def fit(self, store: "Store", samples: IntArray, seed: int = 0) -> None:
         """Learn from samples of a store.
 
         Parameters
@@ -163,12 +165,12 @@ class Surrogate(ABC):
     # Which comparisons it belongs in.
 
     @classmethod
-    def applies_to(cls, store: Store, train: IntArray, test: IntArray) -> bool:  # noqa: ARG003
+    def applies_to(cls, store: "Store", train: IntArray, test: IntArray) -> bool:  # noqa: ARG003
         """Return whether it can be fitted to `train` and predict `test`."""
         return len(train) > 0 or not cls.learns
 
     @classmethod
-    def is_meant_for(cls, store: Store, test: IntArray) -> bool:  # noqa: ARG003
+    def is_meant_for(cls, store: "Store", test: IntArray) -> bool:  # noqa: ARG003
         """Return whether it belongs in every comparison on such loads.
 
         Otherwise it must be asked for by name.

@@ -1,21 +1,5 @@
 """Predictors: a load case in, a displacement with its error estimate out."""
 
-from physgnn.prediction.error_bounds.run_calibration import calibrate_run
-from physgnn.prediction.finite_element import FiniteElementPredictor
-from physgnn.prediction.prediction import (
-    ErrorBound,
-    Predict,
-    Prediction,
-)
-from physgnn.prediction.predictor import Predictor
-from physgnn.prediction.status import PredictionStatus
+from physgnn.lazy import attach
 
-__all__ = [
-    "ErrorBound",
-    "FiniteElementPredictor",
-    "Predict",
-    "Prediction",
-    "PredictionStatus",
-    "Predictor",
-    "calibrate_run",
-]
+__getattr__, __all__ = attach(__name__, __file__)

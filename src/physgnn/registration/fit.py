@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import cKDTree
-from scipy.stats import chi2, norm
+from scipy.special import chdtrc, ndtr, ndtri
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.geometry.measured import farthest_points
@@ -138,10 +138,10 @@ def bump_of(points: FloatArray, misfit: FloatArray, noise: FloatArray) -> float:
     near = cKDTree(points).query_ball_point(points, AREA_MM)
     count = np.array([len(one) for one in near])
     middle = np.abs([np.median(misfit[one]) for one in near])
-    usual = min(float(np.median(np.abs(misfit))) / norm.ppf(0.75), NOISE_KNOWN_WITHIN)
+    usual = min(float(np.median(np.abs(misfit))) / ndtri(0.75), NOISE_KNOWN_WITHIN)
     deviation = np.sqrt(np.pi / 2 / count) * max(usual, np.finfo(float).tiny)
     # as many areas were looked at as there is room for
-    chance = 2 * norm.sf(middle / deviation) * len(points) / count
+    chance = 2 * ndtr(-middle / deviation) * len(points) / count
     away = middle * noise
     off = (chance < LEAST_CHANCE) & (count >= FEWEST_OF_AREA) & (away > LEAST_BUMP_MM)
     return float(away[off].max()) if off.any() else 0.0
@@ -160,7 +160,7 @@ def _misfit(
     freedom = float((1.0 - fit.posterior.leverage[data]).sum())
     square = float((fit.misfit[data] ** 2).sum())
     ratio = square / max(freedom, 1e-12)
-    return ratio, float(chi2.sf(square / NOISE_KNOWN_WITHIN**2, max(freedom, 1e-12)))
+    return ratio, float(chdtrc(max(freedom, 1e-12), square / NOISE_KNOWN_WITHIN**2))
 
 
 def _whole_translation(

@@ -19,6 +19,7 @@ then in mm².
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ from physgnn.mechanics.elements.tet4 import Elements
 from physgnn.registration.causes import modes_of_causes
 from physgnn.registration.skull import point_areas
 
-Solve = Callable[[FloatArray], FloatArray]  # K₀⁻¹ f, (k, n_points, 3) both
+Solve = Callable[[FloatArray], NDArray[Any]]  # K₀⁻¹ f, (k, n_points, 3) both
 
 # Of a volume ratio beforehand: an assumption. Mannitol and oedema change the volume of
 # tissue by some per cent.
@@ -109,7 +110,7 @@ def load_modes(
     growth = [np.empty((0, mesh.n_cells))]
     for i, name in enumerate((*dead, *grows)):
         loads = dead[name] if name in dead else _at_rest(elements, grows[name])
-        moved = solve(loads)
+        moved = solve(loads).astype(np.float64)
         scale = 1.0 / np.sqrt((moved[:, free] ** 2).sum(axis=(0, 2)).mean())
         forces.append((scale * loads).astype(np.float32))
         response.append((scale * moved).astype(np.float32))

@@ -39,7 +39,7 @@ from physgnn.registration.inference.bounds import (
 )
 from physgnn.registration.inference.continuation import Continuation
 from physgnn.registration.inference.search import Reached, Search
-from physgnn.registration.load_families import load_modes
+from physgnn.registration.load_families import Solve, load_modes
 from physgnn.registration.measurements.kinds import (
     DEFAULT_NOISE_MM,
     AnyMeasured,
@@ -97,7 +97,7 @@ class Registrar:
         self.modes = load_modes(
             body.mesh,
             body.fixed,
-            self._at_rest,
+            self._linear_elasticity(),
             elements=body.elements,
             causes=causes,
         )
@@ -238,13 +238,11 @@ class Registrar:
             )
         )
 
-    def _at_rest(self, forces: FloatArray) -> FloatArray:
-        """Return what forces (k, n_points, 3) do by linear elasticity, mm."""
-        rest = np.zeros_like(self.body.mesh.points)
-        found = self.tangent(rest, forces.astype(np.float32))
-        if found is None:
+    def _linear_elasticity(self) -> Solve:
+        """Return what forces (k, n_points, 3) do by linear elasticity at rest, mm."""
+        if self.tangent.linearise(np.zeros_like(self.body.mesh.points)) is None:
             raise InputError(
                 "the fixed points don't hold the body: its stiffness matrix is "
                 "singular; fix at least three points that are not in line"
             )
-        return found[0].astype(np.float64)
+        return self.tangent.solve

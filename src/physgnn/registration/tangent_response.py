@@ -1,5 +1,7 @@
 """How a deformed body responds to a little more force: K(u)⁻¹ f."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,6 +61,32 @@ class TangentResponse:
         (k, n_points, 3) float32 array, (n_points, 3) array, or None
             None if a cell is inverted or K(u) not positive definite.
         """
+        inner = self.linearise(displacement, elements)
+        if inner is None:
+            return None
+        # in single precision, as the factor: hundreds of fields take their time
+        loads = np.concatenate([forces, -inner[None].astype(np.float32)])
+        moved = self._linear.solve(self._pattern.unknowns(loads))
+        response = self._pattern.on_points(moved[:-1].astype(np.float32))
+        return response, self._pattern.on_points(moved[-1])
+
+    def linearise(
+        self, displacement: FloatArray, elements: Elements | None = None
+    ) -> FloatArray | None:
+        """Factorise the tangent about a state, which `solve` and `backward` use.
+
+        Parameters
+        ----------
+        displacement : (n_points, 3) array
+            u, mm.
+        elements : Elements, optional
+            As they have grown; by default those of the rest state.
+
+        Returns
+        -------
+        (n_points, 3) array or None
+            f_int(u), N; None if a cell is inverted or K(u) not positive definite.
+        """
         elements = self.elements if elements is None else elements
         inner, inverted = internal_force(elements, displacement)
         if inverted >= 0:
@@ -66,14 +94,19 @@ class TangentResponse:
         self._support.add_force(displacement, inner)
         data, _ = assemble_tangent(elements, self._pattern, displacement)
         self._support.add_tangent(self._pattern, data)
-        if not self._linear.factorize(data):
-            return None
-        # in single precision, as the factor: hundreds of fields take their time
-        loads = np.concatenate([forces, -inner[None].astype(np.float32)])
-        moved = self._pattern.on_points(
-            self._linear.solve(self._pattern.unknowns(loads))
-        )
-        return moved[:-1].astype(np.float32), moved[-1]
+        return inner if self._linear.factorize(data) else None
+
+    def solve(self, forces: NDArray[Any]) -> Fields:
+        """Return K⁻¹ f by the tangent that was factorised last, mm.
+
+        Parameters
+        ----------
+        forces : (k, n_points, 3) array
+            N; taken in single precision, as the factor is.
+        """
+        right: NDArray[Any] = self._pattern.unknowns(forces.astype(np.float32))
+        moved = self._linear.solve(right)
+        return self._pattern.on_points(moved.astype(np.float32))
 
     def backward(
         self, displacement: FloatArray, elements: Elements | None = None

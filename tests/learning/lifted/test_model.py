@@ -12,7 +12,8 @@ from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import graph_of
-from physgnn.learning.lifted.model import LiftedModel, body_axes
+from physgnn.learning.lifted.model import LiftedModel
+from physgnn.learning.lifted.own_axes import body_axes
 from physgnn.learning.models import build_model
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.training.config import TrainingConfig

@@ -12,8 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from physgnn.arrays import IntArray
 from physgnn.dataset.storage.store import Store
@@ -125,6 +123,9 @@ def split_node(store: Store, seed: int = 0) -> Split:
         If the paths hang together, each sharing a node with another, in fewer than
         three groups; as when all paths load all nodes.
     """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     nodes = [store.load_path(i).nodes for i in range(store.n_paths)]
     path = np.repeat(np.arange(store.n_paths), [len(of_path) for of_path in nodes])
     vertex = store.n_paths + np.concatenate(nodes)  # paths and nodes in one graph

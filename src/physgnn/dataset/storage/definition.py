@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import zarr
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
@@ -67,6 +66,8 @@ class Definition:
 
     def write(self, folder: Path, provenance: Mapping[str, Any]) -> None:
         """Write a new store at `folder`, every path pending."""
+        import zarr
+
         group = zarr.open_group(folder, mode="w-")
         loads, of_path = distinct(self.paths)
         records = [to_record(load) for load in loads.values()]

@@ -7,35 +7,28 @@ Whatever reading a store can raise becomes `InputError` here.
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import zarr
-from zarr.codecs import BloscCodec, Crc32cCodec
 
 from physgnn.errors import InputError
 
-# Measured on FEBio's displacements of 30 levels (3.40 MB a path raw): 2.72 MB, 3.5 ms
-# to read, 32 ms to write; bit shuffle, lz4 and lower levels are all larger and none
-# reads faster by more than a millisecond. The checksum comes last, so it covers what is
-# on disk.
-CODECS = (
-    BloscCodec(cname="zstd", clevel=5, shuffle="shuffle", typesize=4),
-    Crc32cCodec(),
-)
+if TYPE_CHECKING:
+    import zarr
+
 # An array may take this much memory whatever is on disk, bytes, and beyond it this many
 # times what is: a shape that someone edited is not to use up the memory.
 ALWAYS_ALLOWED, MOST_TIMES_DISK = 2**26, 1000
 
 
-def put_array(group: zarr.Group, name: str, value: np.ndarray[Any, Any]) -> None:
+def put_array(group: "zarr.Group", name: str, value: np.ndarray[Any, Any]) -> None:
     """Store an array in one checksummed chunk."""
     chunks = tuple(max(n, 1) for n in value.shape)
-    group.create_array(name, data=value, chunks=chunks, compressors=CODECS)
+    group.create_array(name, data=value, chunks=chunks, compressors=_codecs())
 
 
 def put_rows(
-    group: zarr.Group, name: str, shape: tuple[int, ...], dtype: str, fill: float
+    group: "zarr.Group", name: str, shape: tuple[int, ...], dtype: str, fill: float
 ) -> None:
     """Make an empty array of one chunk a row, so rows can be written side by side."""
     group.create_array(
@@ -44,17 +37,28 @@ def put_rows(
         chunks=(1, *shape[1:]),
         dtype=dtype,
         fill_value=fill,
-        compressors=CODECS,
+        compressors=_codecs(),
     )
 
 
-def has(group: zarr.Group, name: str) -> bool:
+def _codecs() -> tuple[Any, ...]:
+    from zarr.codecs import BloscCodec, Crc32cCodec
+
+    # Measured on FEBio's displacements of 30 levels (3.40 MB a path raw): 2.72 MB,
+    # 3.5 ms to read, 32 ms to write; bit shuffle, lz4 and lower levels are all larger
+    # and none reads faster by more than a millisecond. The checksum comes last, so it
+    # covers what is on disk.
+    packed = BloscCodec(cname="zstd", clevel=5, shuffle="shuffle", typesize=4)
+    return packed, Crc32cCodec()
+
+
+def has(group: "zarr.Group", name: str) -> bool:
     """Return whether there is such an array."""
     with _reading(group, name):
         return name in group
 
 
-def read(group: zarr.Group, name: str) -> np.ndarray[Any, Any]:
+def read(group: "zarr.Group", name: str) -> np.ndarray[Any, Any]:
     """Read an array that lies in one chunk.
 
     Raises
@@ -74,7 +78,7 @@ def read(group: zarr.Group, name: str) -> np.ndarray[Any, Any]:
 
 
 def read_rows(
-    group: zarr.Group,
+    group: "zarr.Group",
     name: str,
     row: int | None = None,
     *,
@@ -109,7 +113,7 @@ def read_rows(
         return np.asarray(array[...] if row is None else array[row])
 
 
-def write_row(group: zarr.Group, name: str, row: int, value: Any) -> None:
+def write_row(group: "zarr.Group", name: str, row: int, value: Any) -> None:
     """Write a row of an array, whole or not at all.
 
     Raises
@@ -122,7 +126,7 @@ def write_row(group: zarr.Group, name: str, row: int, value: Any) -> None:
 
 
 @contextmanager
-def writing(group: zarr.Group) -> Iterator[None]:
+def writing(group: "zarr.Group") -> Iterator[None]:
     """Turn what the disk refuses into one line that says how to go on."""
     try:
         yield
@@ -134,14 +138,16 @@ def writing(group: zarr.Group) -> Iterator[None]:
         ) from error
 
 
-def names_in(group: zarr.Group, folder: str) -> list[str]:
+def names_in(group: "zarr.Group", folder: str) -> list[str]:
     """Return the names of the arrays of a group; one that is not there has none."""
+    import zarr
+
     with _reading(group, folder):
         inner = group.get(folder)
         return sorted(inner.array_keys()) if isinstance(inner, zarr.Group) else []
 
 
-def damaged(group: zarr.Group, name: str, row: int | None, reason: str) -> str:
+def damaged(group: "zarr.Group", name: str, row: int | None, reason: str) -> str:
     """Return the one line that says which chunk is damaged and what to do."""
     path = store_path(group)
     where = f"array '{name}'" + ("" if row is None else f" of load path {row}")
@@ -158,7 +164,7 @@ def damaged(group: zarr.Group, name: str, row: int | None, reason: str) -> str:
     )
 
 
-def open_group(path: Path) -> zarr.Group:
+def open_group(path: Path) -> "zarr.Group":
     """Open the root group of a store; see `attributes` for what must be in it.
 
     Raises
@@ -166,6 +172,8 @@ def open_group(path: Path) -> zarr.Group:
     InputError
         If there is no folder, or it is no Zarr group.
     """
+    import zarr
+
     if not path.is_dir():
         raise InputError(f"{path} is not a dataset store: no such folder")
     try:
@@ -177,12 +185,14 @@ def open_group(path: Path) -> zarr.Group:
         ) from error
 
 
-def store_path(group: zarr.Group) -> Path:
+def store_path(group: "zarr.Group") -> Path:
     """Return the folder of a store's root group."""
     return Path(str(group.store).removeprefix("file://"))
 
 
-def _array(group: zarr.Group, name: str) -> zarr.Array[Any]:
+def _array(group: "zarr.Group", name: str) -> "zarr.Array[Any]":
+    import zarr
+
     array = group[name]
     if not isinstance(array, zarr.Array):
         raise TypeError("a group, not an array")
@@ -190,7 +200,7 @@ def _array(group: zarr.Group, name: str) -> zarr.Array[Any]:
 
 
 @contextmanager
-def _reading(group: zarr.Group, name: str, row: int | None = None) -> Iterator[None]:
+def _reading(group: "zarr.Group", name: str, row: int | None = None) -> Iterator[None]:
     """Turn whatever reading of the store raises into one line of `InputError`."""
     try:
         yield

@@ -4,15 +4,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-import zarr
 
 from physgnn.dataset.storage import layout
 from physgnn.dataset.storage.attributes import Attributes
 from physgnn.errors import InputError
 from physgnn.io.integrity.digest import digest_of
+
+if TYPE_CHECKING:
+    import zarr
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +29,7 @@ class StoreReader:
     """
 
     path: Path
-    group: zarr.Group
+    group: "zarr.Group"
     attributes: Attributes
 
     @classmethod

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-import pyvista as pv
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
@@ -54,6 +53,8 @@ def mean_ratio(mesh: TetMesh) -> FloatArray:
     "shape". The two measures below have no equal there: its "min_angle" is another than
     the dihedral angle where a cell is obtuse.
     """
+    import pyvista as pv
+
     grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
     return np.asarray(grid.cell_quality("shape")["shape"], dtype=np.float64)
 

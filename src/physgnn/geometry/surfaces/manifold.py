@@ -5,8 +5,6 @@ or 2 starting at that corner of the face. Its number is also that of its corner.
 """
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from physgnn.arrays import IntArray
 from physgnn.geometry.surface import FaceArray, directed_edges
@@ -68,6 +66,9 @@ def _twins(faces: FaceArray) -> tuple[IntArray, IntArray]:
 
 
 def _components(start: IntArray, end: IntArray, n: int) -> IntArray:
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     graph = coo_array((np.ones(len(start)), (start, end)), (n, n))
     label: IntArray = connected_components(graph, directed=False)[1]
     return label.astype(np.int64)

@@ -6,11 +6,9 @@ To add a format, write a function and a row in ``FIELD_FORMATS``.
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
-
-import SimpleITK as sitk
+from typing import TYPE_CHECKING
 
 from physgnn.errors import InputError
-from physgnn.imaging.field import DisplacementField
 from physgnn.imaging.transforms import (
     resampling_transform,
     to_itk_nifti,
@@ -20,13 +18,18 @@ from physgnn.io.integrity.atomic import reserve, whole_file
 from physgnn.io.medical.images.nifti import save_nifti
 from physgnn.io.untrusted.native_output import silent_native_code
 
+if TYPE_CHECKING:
+    import SimpleITK as sitk
+
+    from physgnn.imaging.field import DisplacementField
+
 TRANSFORM_SUFFIX = ".h5"
 BYTES_PER_VECTOR, HEADER_BYTES = 24, 1 << 14  # at most: float64, compressed
 
 
 def write_field(
     path: str | Path,
-    field: DisplacementField,
+    field: "DisplacementField",
     *,
     convention: str | None = None,
     note: str = "",
@@ -67,13 +70,13 @@ def write_field(
     FIELD_FORMATS[name](path, field, note)
 
 
-def _write_transform(path: Path, field: DisplacementField, note: str) -> None:
+def _write_transform(path: Path, field: "DisplacementField", note: str) -> None:
     del note
     transform = resampling_transform(field)
     save_transform(path, transform, n_vectors=math.prod(field.grid.shape))
 
 
-def save_transform(path: Path, transform: sitk.Transform, *, n_vectors: int) -> None:
+def save_transform(path: Path, transform: "sitk.Transform", *, n_vectors: int) -> None:
     """Write a displacement field transform, whole or not at all.
 
     HDF5 prints every failed write, and crashes when the process ends: the disk is asked
@@ -84,21 +87,23 @@ def save_transform(path: Path, transform: sitk.Transform, *, n_vectors: int) -> 
     InputError
         If it cannot be written whole.
     """
+    import SimpleITK as sitk
+
     with whole_file(path, refused=(RuntimeError,)) as part:
         reserve(part, n_vectors * BYTES_PER_VECTOR + HEADER_BYTES)
         with silent_native_code():
             sitk.WriteTransform(transform, str(part))
 
 
-def _write_itk_nifti(path: Path, field: DisplacementField, note: str) -> None:
+def _write_itk_nifti(path: Path, field: "DisplacementField", note: str) -> None:
     save_nifti(path, to_itk_nifti(field), note=note)
 
 
-def _write_ras_nifti(path: Path, field: DisplacementField, note: str) -> None:
+def _write_ras_nifti(path: Path, field: "DisplacementField", note: str) -> None:
     save_nifti(path, to_ras_nifti(field), note=note)
 
 
-FIELD_FORMATS: Mapping[str, Callable[[Path, DisplacementField, str], None]] = {
+FIELD_FORMATS: Mapping[str, Callable[[Path, "DisplacementField", str], None]] = {
     "itk-transform": _write_transform,
     "itk": _write_itk_nifti,
     "ras": _write_ras_nifti,

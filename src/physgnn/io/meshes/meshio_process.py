@@ -8,7 +8,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import meshio
 import numpy as np
 
 VTK_TYPES = {
@@ -18,10 +17,10 @@ VTK_TYPES = {
 }  # fmt: skip
 # By name, since meshio.read tries others, and exits where all fail.
 READERS = {
-    ".msh": meshio.gmsh.read,
-    ".inp": meshio.abaqus.read,
-    ".mesh": meshio.medit.read,
-    ".off": meshio.off.read,
+    ".msh": "gmsh",
+    ".inp": "abaqus",
+    ".mesh": "medit",
+    ".off": "off",
 }
 SETS = "element set"
 GROUPS = "gmsh:physical"
@@ -29,8 +28,10 @@ GROUPS = "gmsh:physical"
 
 def serve(request: dict[str, Any]) -> dict[str, Any]:
     """Return points, cells by blocks, integer cell arrays, and names as JSON."""
+    import meshio
+
     path = Path(request["path"])
-    mesh = READERS[path.suffix.lower()](path)
+    mesh = getattr(meshio, READERS[path.suffix.lower()]).read(path)
     points = np.asarray(mesh.points, dtype=np.float64)
     if points.ndim == 2 and points.shape[1] == 2:
         points = np.pad(points, ((0, 0), (0, 1)))

@@ -10,9 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from nibabel.streamlines.tck import TckFile
-from nibabel.streamlines.tractogram import Tractogram
-from nibabel.streamlines.trk import TrkFile
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
@@ -33,6 +30,8 @@ def read_trk(path: Path) -> Plan:
     InputError
         If a size in it does not fit the file, or it does not say where it lies.
     """
+    from nibabel.streamlines.trk import TrkFile
+
     data = read_bytes(path)
     _check_trk(data)
     return _plan(TrkFile, data)
@@ -40,6 +39,8 @@ def read_trk(path: Path) -> Plan:
 
 def read_tck(path: Path) -> Plan:
     """Read tracts of MRtrix."""
+    from nibabel.streamlines.tck import TckFile
+
     data = read_bytes(path)
     if not data.startswith(b"mrtrix tracks"):
         raise InputError("expected tracts of MRtrix (it does not say so at its start)")
@@ -47,6 +48,8 @@ def read_tck(path: Path) -> Plan:
 
 
 def _plan(form: Any, data: bytes) -> Plan:
+    from nibabel.streamlines.tractogram import Tractogram
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what it warns of is checked
         loaded = form.load(io.BytesIO(data))

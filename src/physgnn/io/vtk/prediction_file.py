@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pyvista as pv
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
@@ -195,6 +194,8 @@ def write_deformed(
     InputError
         If the name has another suffix or the folder is missing.
     """
+    import pyvista as pv
+
     path = Path(path)
     moved = mesh.points + displacement
     if path.suffix == ".vtu":

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-import pyvista as pv
 
 from physgnn.arrays import BoolArray, IntArray
 from physgnn.errors import InputError
@@ -40,6 +39,8 @@ def triangulated(data: VtkData) -> IntArray:
     InputError
         If a face has fewer than three corners.
     """
+    import pyvista as pv
+
     if (np.diff(data.offsets) < SMALLEST).any():
         raise InputError(f"a face has fewer than {SMALLEST} corners")
     polygons = pv.PolyData(

@@ -7,9 +7,9 @@ point array ``in_<name>`` of 0 and 1 to look at.
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pyvista as pv
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
@@ -19,6 +19,9 @@ from physgnn.io.untrusted.numbers import whole_numbers
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.writer import write_vtk
+
+if TYPE_CHECKING:
+    import pyvista as pv
 
 REMOVED_POINTS, REMOVED_CELLS = "removed_points", "removed_cells"  # field data
 SET_PREFIX = "point_set:"
@@ -102,7 +105,7 @@ def write_prediction(
     save_grid(Path(path), grid)
 
 
-def add_notes(data: pv.DataSet, notes: Mapping[str, Sequence[str]] | None) -> None:
+def add_notes(data: "pv.DataSet", notes: Mapping[str, Sequence[str]] | None) -> None:
     """Put lines of text into field data; a name without lines is left out."""
     for name, lines in (notes or {}).items():
         if lines:
@@ -163,8 +166,10 @@ def mesh_of(grid: VtkData) -> TetMesh:
     )
 
 
-def grid_of(mesh: TetMesh) -> pv.UnstructuredGrid:
+def grid_of(mesh: TetMesh) -> "pv.UnstructuredGrid":
     """Return a mesh as VTK has it, with regions and point sets."""
+    import pyvista as pv
+
     grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
     grid.cell_data["region"] = mesh.region
     grid.field_data[SPACE] = [RAS]
@@ -176,7 +181,7 @@ def grid_of(mesh: TetMesh) -> pv.UnstructuredGrid:
     return grid
 
 
-def save_grid(path: Path, grid: pv.UnstructuredGrid) -> None:
+def save_grid(path: Path, grid: "pv.UnstructuredGrid") -> None:
     """Write a grid; InputError if the name does not end in .vtu."""
     if path.suffix != ".vtu":
         raise InputError(f"{path}: a mesh is written as .vtu (got '{path.suffix}')")

@@ -6,21 +6,21 @@ reaches the disk here is written by Python.
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
-
-import pyvista as pv
-from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
+from typing import TYPE_CHECKING
 
 from physgnn.errors import InputError
 from physgnn.io.integrity.atomic import whole_file
 
-WRITERS: Mapping[str, Any] = {
-    ".vtp": vtkXMLPolyDataWriter,
-    ".vtu": vtkXMLUnstructuredGridWriter,
+if TYPE_CHECKING:
+    import pyvista as pv
+
+WRITERS: Mapping[str, str] = {
+    ".vtp": "vtkXMLPolyDataWriter",
+    ".vtu": "vtkXMLUnstructuredGridWriter",
 }
 
 
-def write_vtk(path: Path, data: pv.DataSet) -> None:
+def write_vtk(path: Path, data: "pv.DataSet") -> None:
     """Write a data set in the XML format of the name's suffix, whole or not at all.
 
     Raises
@@ -28,7 +28,9 @@ def write_vtk(path: Path, data: pv.DataSet) -> None:
     InputError
         If the file cannot be written whole.
     """
-    writer = WRITERS[path.suffix]()
+    from vtkmodules import vtkIOXML
+
+    writer = getattr(vtkIOXML, WRITERS[path.suffix])()
     writer.SetInputData(data)
     writer.SetDataModeToBinary()  # in base64: the file is text
     writer.SetWriteToOutputString(True)

@@ -7,21 +7,18 @@ body's own axes, so that a body turned with its load has its displacement turned
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.storage.store import Store
-from physgnn.dataset.training_loads import strongest_forces
 from physgnn.errors import InputError
 from physgnn.geometry.mesh_topology import points_within
-from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
+from physgnn.learning.lifted.own_axes import body_axes, turned
 from physgnn.learning.network import Network
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
@@ -35,6 +32,9 @@ from physgnn.mechanics.reduced.expansions.anchors import mean_load_anchors
 from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
 from physgnn.mechanics.reduced.pod_galerkin.pod import leading_modes
 from physgnn.mechanics.reduced.submodels.near_loads import NearLoads
+
+if TYPE_CHECKING:
+    from physgnn.dataset.storage.store import Store
 
 MAX_SNAPSHOTS = 600  # more don't change the modes that pay, and cost memory
 HIDDEN = 64  # of the small network from modes to modes
@@ -96,7 +96,7 @@ class LiftedModel(Network):
         # In float64 for the mechanics; the buffer beside it is the network's.
         self._axes64 = axes = body_axes(body.mesh)
         self._near_loads = NearLoads(body, submodel_hops)
-        self._turned = _turned(body, axes)
+        self._turned = turned(body, axes)
         self.register_buffer("axes", as_float32(axes), persistent=False)
         self.register_buffer("free", as_float32(free), persistent=False)
         self.register_buffer("anchor_states", torch.zeros(anchors, n, 3))
@@ -124,8 +124,10 @@ class LiftedModel(Network):
             self._expansion = AsymptoticExpansion(self._turned, states, threads=threads)
         return self._expansion
 
-    def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
+    def fit(self, store: "Store", samples: IntArray, seed: int = 0) -> None:
         """Find the anchors, the points near loads, and the modes."""
+        from physgnn.dataset.training_loads import strongest_forces
+
         del seed
         self.expect(strongest_forces(store, samples))
         if len(self.modes):
@@ -194,7 +196,7 @@ class LiftedModel(Network):
             if inverted < 0 and force[free].any():
                 yield LoadCase(free, force[free])
 
-    def _fit_modes(self, store: Store, samples: IntArray) -> None:
+    def _fit_modes(self, store: "Store", samples: IntArray) -> None:
         every = max(len(samples) // MAX_SNAPSHOTS, 1)
         missed, terms = [], []
         for path, level in samples[::every]:
@@ -270,31 +272,3 @@ def _forget(model: nn.Module, _: object) -> None:
 def _size(second: Tensor) -> Tensor:
     """Return the root mean square length of a field over its points, (batch, 1, 1)."""
     return second.square().sum(dim=-1, keepdim=True).mean(dim=1, keepdim=True).sqrt()
-
-
-def body_axes(mesh: TetMesh) -> FloatArray:
-    """Return the body's own right-handed axes as rows, (3, 3).
-
-    They are the principal axes of its points, each pointing to the side of the longer
-    tail, so that they turn with the body.
-    """
-    centred = mesh.points - mesh.points.mean(axis=0)
-    _, vectors = np.linalg.eigh(centred.T @ centred)
-    axes = vectors.T
-    tails = ((centred @ axes.T) ** 3).sum(axis=0)
-    axes[tails < 0] *= -1.0
-    axes[2] = np.cross(axes[0], axes[1])
-    turned: FloatArray = axes
-    return turned
-
-
-def _turned(body: Body, axes: FloatArray) -> Body:
-    return replace(
-        body,
-        mesh=TetMesh(
-            body.mesh.points @ axes.T,
-            body.mesh.cells,
-            body.mesh.region,
-            body.mesh.point_sets,
-        ),
-    )

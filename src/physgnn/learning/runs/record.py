@@ -5,17 +5,19 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from physgnn.dataset.splits.samples import Split
-from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.models import method_name, method_options, resolved_options
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.parts import check_part
 from physgnn.versions import release
+
+if TYPE_CHECKING:
+    from physgnn.dataset.splits.samples import Split
+    from physgnn.dataset.storage.store import Store
 
 VERSIONED = ("physgnn", "lightning", "numpy", "torch")
 EXTENDABLE = {"clock", "max_epochs", "max_minutes", "memory_mb"}
@@ -47,7 +49,7 @@ def read_json(file: Path) -> dict[str, Any]:
 
 
 def new_record(
-    meshes: Sequence[tuple[Store, Split]], config: Mapping[str, Any]
+    meshes: "Sequence[tuple[Store, Split]]", config: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return what is known before training.
 
@@ -81,7 +83,7 @@ def new_record(
 
 
 def with_places(
-    record: Mapping[str, Any], run: Path, stores: Sequence[Store]
+    record: Mapping[str, Any], run: Path, stores: "Sequence[Store]"
 ) -> dict[str, Any]:
     """Return the record with where its datasets lie, seen from the run and in full."""
     places = [store.path.resolve() for store in stores]
@@ -220,7 +222,7 @@ def with_present_names(record: Mapping[str, Any]) -> dict[str, Any]:
     return {**record, "config": named}
 
 
-def _split_hash(split: Split) -> str:
+def _split_hash(split: "Split") -> str:
     parts = (split.train, split.validation, split.test)
     rows = np.concatenate([np.append(part, [[-1, -1]], axis=0) for part in parts])
     return hashlib.sha256(rows.astype("<i8").tobytes()).hexdigest()

@@ -1,9 +1,9 @@
 """The tangent matrix: its pattern once a mesh, its values at every state."""
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
-import scipy.sparse as sp
 from numba import njit
 from numpy.typing import NDArray
 
@@ -23,6 +23,8 @@ from physgnn.mechanics.elements.tet4 import (
     mean_state,
 )
 from physgnn.mechanics.materials import table
+
+Real = TypeVar("Real", bound=np.floating[Any])
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +59,7 @@ class Pattern:
         """Number of free degrees of freedom."""
         return 3 * len(self.free)
 
-    def unknowns(self, fields: FloatArray) -> FloatArray:
+    def unknowns(self, fields: NDArray[Real]) -> NDArray[Real]:
         """Return the free components (…, n_unknowns) of fields (…, n_points, 3)."""
         return fields[..., self.free, :].reshape(*fields.shape[:-2], self.n_unknowns)
 
@@ -68,9 +70,10 @@ class Pattern:
         """
         values[self.indptr[:-1]] += np.repeat(per_point[self.free], 3)
 
-    def on_points(self, unknowns: FloatArray) -> FloatArray:
+    def on_points(self, unknowns: NDArray[Real]) -> NDArray[Real]:
         """Return fields (…, n_points, 3) of unknowns (…, n_unknowns); zero if held."""
-        fields = np.zeros((*unknowns.shape[:-1], len(self.row), 3))
+        shape = (*unknowns.shape[:-1], len(self.row), 3)
+        fields = np.zeros(shape, dtype=unknowns.dtype)
         fields[..., self.free, :] = unknowns.reshape(*unknowns.shape[:-1], -1, 3)
         return fields
 
@@ -91,8 +94,8 @@ def make_pattern(
         pairs = _pairs(averaging.start, averaging.points)
         first = np.concatenate([first, row[pairs[0]]])
         second = np.concatenate([second, row[pairs[1]]])
-    blocks, slot = _rank_blocks(first, second, len(free))
-    indptr, indices = _expand_blocks(blocks.indptr, blocks.indices)
+    block_indptr, block_indices, slot = _rank_blocks(first, second, len(free))
+    indptr, indices = _expand_blocks(block_indptr, block_indices)
     n_cell_pairs = 16 * len(cells)
     cell_slot, group_slot = slot[:n_cell_pairs], slot[n_cell_pairs:]
     return Pattern(free, indptr, indices, cell_slot.reshape(-1, 4, 4), row, group_slot)
@@ -100,19 +103,16 @@ def make_pattern(
 
 def _rank_blocks(
     first: NDArray[np.int32], second: NDArray[np.int32], n_free: int
-) -> tuple[sp.csr_matrix, NDArray[np.int32]]:
-    """Return the upper blocks' pattern and every pair's rank in its row, or −1."""
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+    """Return the upper blocks in CSR, and every pair's rank in its row, or −1."""
     used = (first >= 0) & (second >= first)
-    blocks = sp.coo_matrix(
-        (np.ones(used.sum()), (first[used], second[used])), shape=(n_free,) * 2
-    ).tocsr()
-    blocks.sort_indices()
-    key = np.repeat(np.arange(n_free), np.diff(blocks.indptr)) * n_free
-    place = np.searchsorted(
-        key + blocks.indices, first.astype(np.int64) * n_free + second
-    )
-    rank = place - blocks.indptr[np.maximum(first, 0)]
-    return blocks, np.where(used, rank, -1).astype(np.int32)
+    key = first[used].astype(np.int64) * n_free + second[used]
+    blocks, place = np.unique(key, return_inverse=True)
+    row, column = np.divmod(blocks, n_free)
+    indptr = np.searchsorted(row, np.arange(n_free + 1)).astype(np.int32)
+    rank = np.full(len(first), -1, dtype=np.int32)
+    rank[used] = place - indptr[first[used]]
+    return indptr, column.astype(np.int32), rank
 
 
 @njit(cache=True)

@@ -8,18 +8,16 @@ are computed in double.
 
 import ctypes
 import weakref
-from functools import cache
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent
+from physgnn.mechanics.linear.mkl import mkl_library
 
 FactorPrecision = Literal["single", "double"]
 
@@ -29,7 +27,6 @@ _NOT_POSITIVE = -4
 _FACTORISATION, _CLASSIC, _TWO_LEVEL = 23, 0, 1  # index in iparm, and its values
 _KILOBYTES = [15, 16]  # index in iparm: permanent memory of both phases
 FACTOR_FILE = "handle.pds"  # as pardiso_handle_store names it
-_CBWR_AUTO, _CBWR_STRICT = 2, 0x10000  # mkl_types.h: conditional reproducibility
 
 
 class UpperTriangle(Protocol):
@@ -87,7 +84,7 @@ def make_linear_solver(
         Whether the factor is to be written to disk
         (`physgnn.mechanics.linear.factor_cache`), which costs some speed.
     """
-    if _mkl() is None:
+    if mkl_library() is None:
         return SuperLUSolver(pattern)
     return PardisoSolver(
         pattern, precision=precision, threads=threads, storable=storable
@@ -108,19 +105,6 @@ def factorized(
     data, inverted = assemble_tangent(body.elements, body.pattern, displacement)
     solver = make_linear_solver(body.pattern, precision=precision, threads=threads)
     return solver if inverted < 0 and solver.factorize(data) else None
-
-
-@cache
-def _mkl() -> Any:
-    """MKL's runtime library, or None where it is not installed."""
-    try:
-        from pypardiso import PyPardisoSolver
-    except ImportError:
-        return None
-    mkl = ctypes.CDLL(PyPardisoSolver().libmkl._name)
-    # Otherwise the last bits depend on where in memory arrays happen to lie.
-    mkl.MKL_CBWR_Set(_CBWR_AUTO | _CBWR_STRICT)
-    return mkl
 
 
 class PardisoSolver:
@@ -209,11 +193,13 @@ class PardisoSolver:
     def _on_disk(self, function: str, folder: Path) -> int:
         error = ctypes.c_int32(0)
         name = str(folder).encode()
-        getattr(_mkl(), function)(_pointer(self._handle), name, ctypes.byref(error))
+        getattr(mkl_library(), function)(
+            _pointer(self._handle), name, ctypes.byref(error)
+        )
         return error.value
 
     def _call(self, phase: int, b: NDArray[Any], x: NDArray[Any], n_right: int) -> int:
-        mkl = _mkl()
+        mkl = mkl_library()
         mkl.MKL_Set_Num_Threads_Local(self._threads)
         error = _pardiso(
             mkl,
@@ -269,7 +255,9 @@ def _pardiso(
 
 
 def _release(handle: NDArray[Any], n: int, iparm: NDArray[Any]) -> None:
-    _pardiso(_mkl(), (handle, n, iparm), _RELEASE, (None, None, None), (None, None, 1))
+    _pardiso(
+        mkl_library(), (handle, n, iparm), _RELEASE, (None, None, None), (None, None, 1)
+    )
 
 
 class SuperLUSolver:
@@ -282,6 +270,9 @@ class SuperLUSolver:
 
     def factorize(self, data: FloatArray) -> bool:
         """Factorise K; False if it is not positive definite."""
+        import scipy.sparse as sp
+        from scipy.sparse.linalg import splu
+
         upper = sp.csr_matrix((data, self._indices, self._indptr), shape=self._shape)
         full = (upper + sp.triu(upper, 1).T).tocsc()
         try:

@@ -15,7 +15,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
-import scipy.sparse as sp
 
 from physgnn import scratch
 from physgnn.arrays import FloatArray
@@ -106,6 +105,8 @@ def _whole(stored: Path) -> bool:
 
 def _solves(solver: PardisoSolver, pattern: Pattern, data: FloatArray) -> bool:
     """Whether a factor that was read is this matrix's: its name could be another's."""
+    import scipy.sparse as sp
+
     n = pattern.n_unknowns
     upper = sp.csr_array((data, pattern.indices, pattern.indptr), shape=(n, n))
     right = np.random.default_rng(0).standard_normal(n)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from physgnn.arrays import BoolArray, IntArray
 from physgnn.errors import InputError
@@ -87,6 +86,8 @@ def cells_near(mesh: TetMesh, points: IntArray, within_mm: float) -> BoolArray:
     -------
     (n_cells,) array of bool
     """
+    from scipy.spatial import cKDTree
+
     centres = mesh.points[mesh.cells].mean(axis=1)
     distance, _ = cKDTree(mesh.points[points]).query(
         centres, distance_upper_bound=within_mm

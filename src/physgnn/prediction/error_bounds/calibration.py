@@ -4,11 +4,11 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.runs.parts import check_part, write_part
 from physgnn.learning.surrogate import Surrogate
@@ -17,6 +17,9 @@ from physgnn.prediction.error_bounds.indicators import Indicator
 from physgnn.prediction.error_bounds.trained_range import TrainedRange
 from physgnn.prediction.prediction import ErrorBound
 from physgnn.progress import Progress
+
+if TYPE_CHECKING:
+    from physgnn.dataset.storage.store import Store
 
 COVERAGES = (0.9, 0.95)
 RELAXATION = "relaxation"  # the indicator of `physgnn.mechanics.equilibrium.relaxation`
@@ -125,7 +128,7 @@ def indicator_sizes(field: FloatArray) -> tuple[float, float]:
 def calibrate(
     surrogate: Surrogate,
     indicator: tuple[str, Indicator],
-    store: Store,
+    store: "Store",
     samples: tuple[IntArray, IntArray],
     *,
     coverages: Sequence[float] = COVERAGES,
@@ -223,7 +226,7 @@ def thinned(samples: IntArray, most: int) -> IntArray:
 def error_scores(
     surrogate: Surrogate,
     measure: Indicator,
-    store: Store,
+    store: "Store",
     samples: IntArray,
     *,
     progress: Progress | None = None,

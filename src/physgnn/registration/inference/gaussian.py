@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import minimize
 
 from physgnn.arrays import FloatArray, IntArray
 
@@ -86,6 +85,8 @@ def choose_variances(
     most : (n_families,) array, optional
         Largest standard deviation of each family.
     """
+    from scipy.optimize import minimize
+
     size = float(np.sqrt((d**2).mean())) if typical is None else typical
     middle = np.log(max(size, noise))
     further = np.empty((len(d), 0)) if known is None else known

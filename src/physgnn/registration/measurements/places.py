@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pyvista as pv
 from scipy.sparse import csr_array
 
 from physgnn.arrays import FloatArray, IntArray
@@ -60,6 +59,8 @@ def nearest_places(
     targets : (n, 3) array
         mm.
     """
+    import pyvista as pv
+
     surface = pv.PolyData.from_regular_faces(points, faces.astype(int))
     face, found = surface.find_closest_cell(targets, return_closest_point=True)
     nearest = np.asarray(found, dtype=np.float64)
@@ -96,6 +97,8 @@ def cell_interpolation(
     InputError
         If points are more than 3 mm outside of the mesh; it names them.
     """
+    import pyvista as pv
+
     grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
     found: Any = grid.find_closest_cell(points, return_closest_point=True)
     cell, nearest = found[0], np.asarray(found[1], dtype=np.float64)

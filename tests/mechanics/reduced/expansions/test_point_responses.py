@@ -51,3 +51,16 @@ def test_fixed_points_stay_put_exactly(block: TetMesh) -> None:
     top = block.point_set("loaded")
     found = responses(block, top)(random_force(block, top))
     assert (found[block.point_set("fixed")] == 0).all()
+
+
+def test_a_response_is_the_same_whatever_was_asked_for_before(
+    block: TetMesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Columns are made when a load first acts on them, always the same ones at once."""
+    monkeypatch.setattr(point_responses, "AT_ONCE", 6)
+    top = block.point_set("loaded")
+    one, all_of_them = random_force(block, top[:1]), random_force(block, top)
+    fresh, used = responses(block, top), responses(block, top)
+    used(all_of_them)
+    np.testing.assert_array_equal(fresh(one), used(one))
+    np.testing.assert_array_equal(fresh(all_of_them), used(all_of_them))

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import SimpleITK as sitk
 
 # DICOM's tags of a slice.
 TAGS = {
@@ -28,6 +27,8 @@ def serve(request: dict[str, Any]) -> dict[str, Any]:
 
 def _list(request: dict[str, Any]) -> dict[str, Any]:
     """Return the series of a folder, each with the tags of its slices."""
+    import SimpleITK as sitk
+
     reader = sitk.ImageSeriesReader()
     found = []
     for uid in reader.GetGDCMSeriesIDs(request["path"]):
@@ -54,6 +55,8 @@ def _image(request: dict[str, Any]) -> dict[str, Any]:
 
 def _series(request: dict[str, Any]) -> dict[str, Any]:
     """Return the image of slices, in the order given."""
+    import SimpleITK as sitk
+
     folder = Path(request["path"])
     names = [str(folder / name) for name in request["names"]]
     _check_size([_opened(name) for name in names], request["limit"])
@@ -63,6 +66,8 @@ def _series(request: dict[str, Any]) -> dict[str, Any]:
 
 
 def _opened(name: str) -> Any:
+    import SimpleITK as sitk
+
     reader = sitk.ImageFileReader()
     reader.SetFileName(name)
     reader.ReadImageInformation()
@@ -82,6 +87,8 @@ def _check_size(readers: list[Any], limit: int) -> None:
 
 
 def _arrays(image: Any) -> dict[str, Any]:
+    import SimpleITK as sitk
+
     n = image.GetDimension()
     return {
         "data": sitk.GetArrayFromImage(image),

@@ -6,7 +6,6 @@ Source of the format: https://surfer.nmr.mgh.harvard.edu/fswiki/FsTutorial/MghFo
 import math
 from pathlib import Path
 
-import nibabel as nib
 import numpy as np
 
 from physgnn.errors import InputError
@@ -24,6 +23,8 @@ KINDS = {"f": np.float32, "i": np.int32, "u": np.int32}
 
 def read_mgh(path: Path, options: ReadOptions) -> Voxels:
     """Read an image of FreeSurfer, packed or not."""
+    import nibabel as nib
+
     content = read_unpacked(path)
     words = [int(n) for n in np.frombuffer(content[:28], ">i4")]
     if len(words) < 7 or words[0] != VERSION or words[5] not in N_BYTES:
@@ -52,6 +53,8 @@ def read_mgh(path: Path, options: ReadOptions) -> Voxels:
 
 def write_mgh(path: Path, image: Image, note: str) -> None:
     """Write an image of FreeSurfer, which has no place for a note."""
+    import nibabel as nib
+
     del note
     data = np.asarray(image.data)
     if data.dtype != np.uint8:

@@ -1,8 +1,8 @@
 """NIfTI images and label maps, as nibabel places them in the world: RAS+, mm."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import nibabel as nib
 import numpy as np
 
 from physgnn.errors import InputError
@@ -12,6 +12,9 @@ from physgnn.io.medical.images.nifti_header import parsed_nifti
 from physgnn.io.medical.images.nifti_place import place_of
 from physgnn.io.medical.images.voxels import ReadOptions, Voxels, three_axes
 from physgnn.io.untrusted.compressed import read_unpacked
+
+if TYPE_CHECKING:
+    import nibabel as nib
 
 SUFFIXES = (".nii", ".nii.gz")
 DESCRIPTION_BYTES = 80  # NIfTI-1's field descrip
@@ -26,14 +29,18 @@ def read_nifti(path: Path, options: ReadOptions) -> Voxels:
 
 def write_nifti(path: Path, image: Image, note: str) -> None:
     """Write a NIfTI image, a note in its description."""
+    import nibabel as nib
+
     save_nifti(path, nib.Nifti1Image(image.data, image.affine), note=note)
 
 
-def save_nifti(path: str | Path, image: nib.Nifti1Image, *, note: str = "") -> None:
+def save_nifti(path: str | Path, image: "nib.Nifti1Image", *, note: str = "") -> None:
     """Save a nibabel image in mm, whole or not at all.
 
     A note is added to its description, as far as 80 bytes hold it.
     """
+    import nibabel as nib
+
     path = Path(path)
     if not path.name.lower().endswith(SUFFIXES):
         raise InputError(

@@ -9,20 +9,20 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
-
-import nibabel as nib
-from nibabel.imageglobals import logger
+from typing import TYPE_CHECKING, Any
 
 from physgnn.errors import InputError
 from physgnn.io.untrusted.limits import check_size
 
+if TYPE_CHECKING:
+    import nibabel as nib
+
 # The first word of the header is its length; the mark of a header with its voxels.
-KINDS = {348: (nib.Nifti1Image, b"n+1"), 540: (nib.Nifti2Image, b"n+2")}
+KINDS = {348: ("Nifti1Image", b"n+1"), 540: ("Nifti2Image", b"n+2")}
 CODES = range(6)  # of sform_code and qform_code
 
 
-def parsed_nifti(path: Path, content: bytes) -> nib.Nifti1Image:
+def parsed_nifti(path: Path, content: bytes) -> "nib.Nifti1Image":
     """Return the image that bytes hold, once what it declares fits them.
 
     Raises
@@ -31,13 +31,16 @@ def parsed_nifti(path: Path, content: bytes) -> nib.Nifti1Image:
         If they hold no NIfTI image in one file, the header contradicts itself or
         declares more voxels than there are, or a voxel is no real number.
     """
+    import nibabel as nib
+
     sizes = {int.from_bytes(content[:4], order) for order in ("little", "big")}
-    kind, mark = next((KINDS[n] for n in sizes if n in KINDS), (None, b""))
-    if kind is None:
+    name, mark = next((KINDS[n] for n in sizes if n in KINDS), ("", b""))
+    if not name:
         raise InputError(
             "expected a NIfTI image, but it cannot be read (it has no header of one): "
             "convert it"
         )
+    kind = getattr(nib, name)
     with _quiet():
         header = kind.header_class.from_fileobj(io.BytesIO(content), check=False)
     _check_header(header, mark)
@@ -87,6 +90,8 @@ def _check_size(path: Path, header: Any, n_bytes: int) -> None:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keep nibabel from logging what it raises as well, or what is harmless."""
+    from nibabel.imageglobals import logger
+
     was = logger.disabled
     logger.disabled = True
     try:

@@ -7,14 +7,17 @@ Programs differ in which place they take, so two that disagree are refused.
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import nibabel as nib
 import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.io.medical.images.voxels import affine_in_mm
 from physgnn.progress import Log
+
+if TYPE_CHECKING:
+    import nibabel as nib
 
 FORMS = ("sform", "qform")
 # The three low bits of xyzt_units, and how many mm one is. 0 leaves it open.
@@ -30,7 +33,7 @@ SAME_MM = 0.1
 
 
 def place_of(
-    path: Path, image: nib.Nifti1Image, form: str | None, log: Log
+    path: Path, image: "nib.Nifti1Image", form: str | None, log: Log
 ) -> FloatArray:
     """Return the affine from voxel index to world, mm, RAS+.
 
@@ -74,7 +77,7 @@ def place_of(
     return _in_mm(path, image, np.array(affine, dtype=np.float64), log)
 
 
-def _places(image: nib.Nifti1Image) -> dict[str, FloatArray]:
+def _places(image: "nib.Nifti1Image") -> dict[str, FloatArray]:
     """Return the places that the header sets, in the order of preference."""
     header = image.header
     found = {
@@ -85,7 +88,7 @@ def _places(image: nib.Nifti1Image) -> dict[str, FloatArray]:
 
 
 def _check_agreement(
-    path: Path, image: nib.Nifti1Image, places: Mapping[str, FloatArray], log: Log
+    path: Path, image: "nib.Nifti1Image", places: Mapping[str, FloatArray], log: Log
 ) -> None:
     corners = np.indices((2, 2, 2)).reshape(3, -1).T * (np.array(image.shape[:3]) - 1)
     sform, qform = (corners @ a[:3, :3].T + a[:3, 3] for a in places.values())
@@ -101,12 +104,12 @@ def _check_agreement(
         log(f"{path}: sform and qform differ by {apart:.2f}, less than a voxel: sform")
 
 
-def _unit(image: nib.Nifti1Image) -> int:
+def _unit(image: "nib.Nifti1Image") -> int:
     return int(image.header["xyzt_units"]) & UNIT_BITS
 
 
 def _in_mm(
-    path: Path, image: nib.Nifti1Image, affine: FloatArray, log: Log
+    path: Path, image: "nib.Nifti1Image", affine: FloatArray, log: Log
 ) -> FloatArray:
     code = _unit(image)
     if code not in UNITS_MM:

@@ -84,7 +84,7 @@ class AsymptoticExpansion:
             ExpansionPoint(body, u, load, nodes, self._responses)
             for u, load in zip(states, self._loads, strict=True)
         ]
-        self._linear = np.stack([self._about[0].solve(load) for load in self._loads])
+        self._linear = self._about[0].solve(self._loads)
         self._self_work = np.einsum("kni,kni->k", self._loads, self._linear)
 
     def linear(self, force: FloatArray) -> FloatArray:
@@ -143,7 +143,7 @@ class ExpansionPoint:
         return self.solve(-0.5 * self.curvature(first))
 
     def solve(self, force: FloatArray) -> FloatArray:
-        """Return K⁻¹ f."""
+        """Return K⁻¹ f of one force field or several, (…, n_points, 3)."""
         return self._responses.solve(force)
 
     @property

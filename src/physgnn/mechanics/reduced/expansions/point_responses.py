@@ -26,8 +26,9 @@ class PointResponses:
     pattern : Pattern
         The pattern of K, over the free points.
     nodes : (n_nodes,) integer array
-        Points that loads act on, as a rule. If their columns, cached in single
-        precision, would take too much memory, every response is a back-solve.
+        Points that loads act on, as a rule. Their columns are made, in single
+        precision and some at once, when a load first acts on them; if all would take
+        too much memory, every response is a back-solve.
     """
 
     def __init__(self, solver: DirectSolver, pattern: Pattern, nodes: IntArray) -> None:
@@ -35,11 +36,17 @@ class PointResponses:
         nodes = np.intersect1d(nodes, pattern.free)
         n_bytes = 4 * 3 * len(nodes) * 3 * len(pattern.row)
         self._nodes = nodes if n_bytes <= MAX_BYTES else nodes[:0]
-        self._columns = self._cached(3 * pattern.row[self._nodes])
+        self._unknowns = _three_of_each(pattern.row[self._nodes])
+        size = len(self._unknowns), 3 * len(pattern.row)
+        self._columns = np.zeros(size, dtype=np.float32)
+        self._made = np.zeros(-(-len(self._unknowns) // AT_ONCE), dtype=np.bool_)
 
     def __call__(self, force: FloatArray) -> FloatArray:
         """Return K⁻¹ f, (n_points, 3) mm, for a force field (n_points, 3) in N."""
         on_nodes = force[self._nodes].astype(np.float32).ravel()
+        for block in np.unique(np.flatnonzero(on_nodes) // AT_ONCE):
+            if not self._made[block]:
+                self._make(block)
         moved = np.zeros(self._columns.shape[1], dtype=np.float32)
         _add_rows(on_nodes, self._columns, moved)
         u = moved.reshape(force.shape).astype(np.float64)
@@ -50,7 +57,7 @@ class PointResponses:
         return u
 
     def solve(self, force: FloatArray) -> FloatArray:
-        """Return K⁻¹ f by a back-solve, for a load anywhere."""
+        """Return K⁻¹ f by a back-solve, for a load anywhere or several at once."""
         right = self._pattern.unknowns(force)
         return self._pattern.on_points(self._solver.solve(right))
 
@@ -59,22 +66,24 @@ class PointResponses:
         """Memory of the factor and the columns."""
         return self._solver.n_bytes + self._columns.nbytes
 
-    def _cached(self, unknowns: NDArray[np.int32]) -> NDArray[np.float32]:
-        """Return the columns of K⁻¹ of points' three unknowns, as rows."""
-        rows = (unknowns[:, None] + np.arange(3)).ravel()
-        columns = np.zeros((len(rows), 3 * len(self._pattern.row)), dtype=np.float32)
-        for first in range(0, len(rows), AT_ONCE):
-            some = rows[first : first + AT_ONCE]
-            right = np.zeros((len(some), self._pattern.n_unknowns))
-            right[np.arange(len(some)), some] = 1.0
-            response = self._pattern.on_points(self._solver.solve(right))
-            columns[first : first + AT_ONCE] = response.reshape(len(some), -1)
-        return columns
+    def _make(self, block: int) -> None:
+        """Cache a block of the columns of K⁻¹, as rows."""
+        own = slice(AT_ONCE * block, AT_ONCE * (block + 1))
+        some = self._unknowns[own]
+        right = np.zeros((len(some), self._pattern.n_unknowns))
+        right[np.arange(len(some)), some] = 1.0
+        response = self._pattern.on_points(self._solver.solve(right))
+        self._columns[own] = response.reshape(len(some), -1)
+        self._made[block] = True
+
+
+def _three_of_each(rows: NDArray[np.int32]) -> IntArray:
+    return (3 * rows.astype(np.int64)[:, None] + np.arange(3)).ravel()
 
 
 @njit(cache=True)
 def _add_rows(factors, rows, total):  # type: ignore[no-untyped-def]
-    """Add Σ_k factors[k] rows[k] to a total, four rows at a time.
+    """Add Σ_k factors[k] rows[k] to a total, four rows at a time; zeros are left out.
 
     Not by BLAS: OpenBLAS's threads and those of Pardiso and torch get in each other's
     way, as each spin for a while when they are done.
@@ -82,6 +91,8 @@ def _add_rows(factors, rows, total):  # type: ignore[no-untyped-def]
     whole = len(factors) // 4 * 4
     for k in range(0, whole, 4):
         a, b, c, d = factors[k], factors[k + 1], factors[k + 2], factors[k + 3]
+        if a == b == c == d == 0.0:
+            continue
         for j in range(len(total)):
             total[j] += (
                 a * rows[k, j] + b * rows[k + 1, j] + c * rows[k + 2, j]

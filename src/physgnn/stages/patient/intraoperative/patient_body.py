@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from physgnn.config import read_materials, read_membranes
+from physgnn.dataset.membranes import Membranes
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
 from physgnn.geometry.regions import REGIONS
@@ -92,9 +92,8 @@ def patient_of(mesh: str | Path, held: HowItIsHeld) -> PatientBody:
     if held.remove is not None:
         resection = resected(case, held.remove)
         case = resection.remaining
-    given = {} if held.materials is None else read_materials(held.materials)
+    given, membranes = _given(held)
     body = Body(case, {**DEFAULT_MATERIALS, **given})
-    membranes = read_membranes(held.membranes)
     causes = held.named_causes
 
     def make() -> "Registrar":
@@ -104,6 +103,16 @@ def patient_of(mesh: str | Path, held: HowItIsHeld) -> PatientBody:
 
     told = {"skull": held.skull, "causes": causes, "membranes": repr(membranes)}
     return PatientBody(body, make, told, resection)
+
+
+def _given(held: HowItIsHeld) -> tuple[Mapping[int, Material], Membranes]:
+    """Return materials and membranes as files have them; most often there is none."""
+    if held.materials is None and held.membranes is None:
+        return {}, Membranes()
+    from physgnn.config import read_materials, read_membranes
+
+    given = {} if held.materials is None else read_materials(held.materials)
+    return given, read_membranes(held.membranes)
 
 
 def ready_patient(registrar: "Registrar") -> PatientBody:

@@ -69,13 +69,14 @@ def predict(
     InputError
         If a file cannot be used, or the displacement not be written so.
     """
-    from physgnn.io import read_load_path
     from physgnn.io.displacement_files import DisplacementFields, form_of
+
+    write = form_of(out, form).write  # before what takes seconds to import
+    from physgnn.io import read_load_path
     from physgnn.io.medical.images.formats import read_image
     from physgnn.learning.models import build_model
     from physgnn.prediction.predictor import Predictor
 
-    write = form_of(out, form).write
     grid = None if image is None else read_image(image, affine=affine, log=log).grid
     predictor = Predictor.load(run or BUNDLED_RUN, precision=precision, warm=False)
     body = predictor.body

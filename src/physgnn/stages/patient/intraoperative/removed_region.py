@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pyvista as pv
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
@@ -100,6 +99,8 @@ def resected(mesh: TetMesh, region: str) -> Resected:
 
 def _distance(mesh: TetMesh, points: FloatArray) -> FloatArray:
     """Return how far points are from the tissue of a mesh, mm; 0 inside."""
+    import pyvista as pv
+
     grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
     found: Any = grid.find_closest_cell(points, return_closest_point=True)
     distance: FloatArray = np.linalg.norm(points - np.asarray(found[1]), axis=1)

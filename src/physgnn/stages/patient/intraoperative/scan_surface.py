@@ -10,11 +10,6 @@ from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.image import Image, ImageGrid, LabelVolume
-from physgnn.geometry.segmentation.extract import edge_for
-from physgnn.geometry.segmentation.label_report import label_volumes
-from physgnn.geometry.segmentation.labels.label_tables import label_table, resolved
-from physgnn.geometry.segmentation.mask_surface import even_surface, level_set
-from physgnn.geometry.segmentation.masks import tissue_masks
 from physgnn.geometry.surface import Surface
 from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.medical.images.formats import read_image, read_segmentation
@@ -79,6 +74,8 @@ def brain_surface(
     InputError
         If the image cannot be read or segmented, or does not show the whole brain.
     """
+    from physgnn.geometry.segmentation.extract import edge_for
+    from physgnn.geometry.segmentation.mask_surface import even_surface, level_set
     from physgnn.segmentation.picture import outlines
     from physgnn.segmentation.scan_labels import volumes_line
 
@@ -99,6 +96,9 @@ def _brain_in(
     path: Path, image: Image, how: ScanOptions, log: Log
 ) -> tuple[LabelVolume, BoolArray, ImageGrid]:
     """Return labels to draw, and the brain, filled, on a grid around it."""
+    from physgnn.geometry.segmentation.label_report import label_volumes
+    from physgnn.geometry.segmentation.labels.label_tables import label_table, resolved
+    from physgnn.geometry.segmentation.masks import tissue_masks
     from physgnn.segmentation import scan_labels
     from physgnn.segmentation.scan_checks import is_label_map
 
