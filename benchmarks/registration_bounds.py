@@ -3,13 +3,13 @@
     OMP_NUM_THREADS=1 python benchmarks/registration_bounds.py --cases 12
     OMP_NUM_THREADS=1 python benchmarks/registration_bounds.py --skull sliding
 
-The truth is of `benchmarks/shifts.py`: a finer mesh, other tissue, other loads. Each
-shift is measured five ways (`KINDS`): 40 pairs on the surface, 2000 points of it, 15
-landmarks inside, the whole surface, and the first three together; and each of these as
-it is or badly (`CONDITIONS`): a tenth of the points 15 mm off in a random direction,
-two swapped, all of them 3 mm and 1.5° off as a whole, which is corrected. Noise is 0.5
-to 1 mm a coordinate, of which the registration is told the middle. A surface has no
-points to swap.
+The truth is of `physgnn.evaluation.in_silico.shifts`: a finer mesh, other tissue, other
+loads. Each shift is measured five ways (`KINDS`): 40 pairs on the surface, 2000 points
+of it, 15 landmarks inside, the whole surface, and the first three together; and each of
+these as it is or badly (`CONDITIONS`): a tenth of the points 15 mm off in a random
+direction, two swapped, all of them 3 mm and 1.5° off as a whole, which is corrected.
+Noise is 0.5 to 1 mm a coordinate, of which the registration is told the middle. A
+surface has no points to swap.
 
 A registration is *wrong* if its largest error is above its bound and above 3 mm, what
 a surgeon expects of navigation anyway. Counted are the registrations that are wrong and
@@ -30,10 +30,10 @@ from scipy.stats import binomtest
 
 from held_out import Log
 from physgnn.arrays import FloatArray
+from physgnn.evaluation.in_silico.compared import TOLD_MM, Compared
+from physgnn.evaluation.in_silico.shifts import Case, Truth
 from physgnn.geometry.measured import PointPairs, SurfacePoints, WholeSurface
 from physgnn.registration.inference.bounds import factors_of
-from registration import TOLD_MM, Compared
-from shifts import Case, Truth
 from tables import machine, table
 
 Measured = PointPairs | SurfacePoints | WholeSurface

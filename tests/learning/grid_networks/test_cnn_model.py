@@ -75,9 +75,7 @@ def test_a_sample_is_told_with_the_true_displacement_of_what_is_seen(
     assert isinstance(case, ObservedLoadCase)
     known, truth = case.observed, store.displacement(1)[2]
     np.testing.assert_array_equal(known.displacement, truth[known.nodes])
-    np.testing.assert_array_equal(
-        model.predict(case), model.displacement_from(known)
-    )
+    np.testing.assert_array_equal(model.predict(case), model.displacement_from(known))
 
 
 def test_a_load_alone_is_answered_from_the_linear_solution(store: Store) -> None:
@@ -105,7 +103,7 @@ def test_matching_finds_a_surface_that_moved_along_its_normal(store: Store) -> N
     top = body.mesh.point_set("loaded")
     rng = np.random.default_rng(0)
     low, high = body.mesh.points[top].min(axis=0), body.mesh.points[top].max(axis=0)
-    measured = rng.uniform(low, high, (20_000, 3)) + [0.0, 0.0, 4.0]
+    measured = rng.uniform(low, high, (20_000, 3)) + np.array([0.0, 0.0, 4.0])
     found = matched_displacement(body, top, measured)
     np.testing.assert_allclose(found.displacement[:, 2], 4.0, atol=1e-9)
     assert np.abs(found.displacement[:, :2]).max() < 4.0

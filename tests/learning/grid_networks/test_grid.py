@@ -54,7 +54,8 @@ def test_a_node_has_the_weighted_mean_of_the_points_about_it() -> None:
     corners = np.array([[0.0, 0.0, 0.0], [10.0, 10.0, 10.0]])
     grid = Grid.about(corners, NODES)
     node = grid.positions.reshape(NODES, NODES, NODES, 3)[3, 4, 2]
-    near, far = node + [0.25 * grid.spacing, 0, 0], node - [0.5 * grid.spacing, 0, 0]
+    along = np.array([grid.spacing, 0.0, 0.0])
+    near, far = node + 0.25 * along, node - 0.5 * along
     there = PointsOnGrid(grid, np.array([near, far]))
     values = torch.tensor([[[4.0], [1.0]]])
     fields, _ = there.scatter(values, torch.ones(1, 2))

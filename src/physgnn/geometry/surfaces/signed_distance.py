@@ -20,5 +20,6 @@ def signed_distance(
         mm.
     """
     surface = pv.PolyData.from_regular_faces(points, faces.astype(int))
-    found = pv.PolyData(np.ascontiguousarray(targets)).compute_implicit_distance(surface)
+    places = pv.PolyData(np.ascontiguousarray(targets))
+    found = places.compute_implicit_distance(surface)
     return np.asarray(found["implicit_distance"], dtype=np.float64)

@@ -128,4 +128,4 @@ class PointsOnGrid(nn.Module):
 
     def _cube(self, columns: Tensor) -> Tensor:
         n = self.nodes
-        return columns.transpose(1, 2).unflatten(2, (n, n, n))
+        return columns.transpose(1, 2).reshape(len(columns), -1, n, n, n)

@@ -39,7 +39,8 @@ def seen_points(body: Body, centre: FloatArray) -> IntArray:
     free = np.setdiff1d(boundary_points(body.mesh), body.fixed)
     places = body.mesh.points[free]
     middle = places[np.linalg.norm(places - centre, axis=1).argmin()]
-    return free[np.linalg.norm(places - middle, axis=1) <= SEEN_MM]
+    seen: IntArray = free[np.linalg.norm(places - middle, axis=1) <= SEEN_MM]
+    return seen
 
 
 def seen_about(body: Body, load_case: LoadCase) -> IntArray:

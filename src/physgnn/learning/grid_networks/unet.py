@@ -1,5 +1,7 @@
 """A U-Net in three dimensions (Ronneberger et al. 2015; Çiçek et al. 2016)."""
 
+from itertools import pairwise
+
 import torch
 from torch import Tensor, nn
 
@@ -36,7 +38,7 @@ class UNet(nn.Module):
     ) -> None:
         super().__init__()
         widths = [width * 2**k for k in range(levels + 1)]
-        pairs = list(zip(widths, widths[1:], strict=False))
+        pairs = list(pairwise(widths))
         self.first = convolutions(n_inputs, width)
         self.halve = nn.MaxPool3d(2)
         self.down = nn.ModuleList(convolutions(a, b) for a, b in pairs)
