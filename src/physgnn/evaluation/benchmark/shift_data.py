@@ -9,6 +9,7 @@ import numpy as np
 
 from physgnn.arrays import BoolArray
 from physgnn.dataset.splits.meshes import split_meshes
+from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.evaluation.in_silico.compared import Compared, ShiftMeasured
 from physgnn.evaluation.in_silico.shifts import Case, Truth
@@ -93,6 +94,12 @@ class ShiftData:
         return self.body.body
 
     @property
+    def trained_on(self) -> tuple[list[Store], list[Split]]:
+        """The stores and splits of training; none where nothing learns."""
+        splits = split_meshes(self.family) if self.family else []
+        return list(self.family), splits
+
+    @property
     def about(self) -> dict[str, Any]:
         """A hash of the data, and how many there are."""
         hashes = [store.content_hash().encode() for store in self.family]
@@ -105,7 +112,7 @@ class ShiftData:
             ),
             "points": self.truth.mesh.n_points,
             "registered_points": self.body.mesh.n_points,
-            "train": sum(len(split.train) for split in split_meshes(self.family)),
+            "train": sum(len(split.train) for split in self.trained_on[1]),
             "test": len(self.cases),
         }
 

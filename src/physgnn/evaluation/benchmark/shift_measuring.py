@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from physgnn.arrays import FloatArray
-from physgnn.dataset.splits.meshes import split_meshes
 from physgnn.errors import InputError
 from physgnn.evaluation.benchmark.job import MethodOnTask
 from physgnn.evaluation.benchmark.load_measuring import check_displacement
@@ -71,7 +70,7 @@ def _method(
     if job.method.name in SHIFT_METHODS:
         method = SHIFT_METHODS[job.method.name]
         return 0.0, lambda measured: method(data.body, measured)
-    checkpoint = trained(job, list(data.family), split_meshes(data.family), progress)
+    checkpoint = trained(job, *data.trained_on, progress)
     minutes = processor_minutes(checkpoint.record)
     nothing = np.zeros((0, data.registered.mesh.n_points, 3))
     network = adapt(checkpoint, data.registered, nothing).model
