@@ -13,7 +13,7 @@ from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
-from physgnn.geometry.surfaces.signed_distance import signed_distance
+from physgnn.geometry.surfaces.distances import signed_distance
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.grid_networks.cnn_model import CNNModel
 from physgnn.learning.grid_networks.known_surface import (

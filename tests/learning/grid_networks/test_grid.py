@@ -6,7 +6,7 @@ import torch
 
 from physgnn.arrays import FloatArray
 from physgnn.learning.graph import as_float32
-from physgnn.learning.grid_networks.grid import Grid, PointsOnGrid
+from physgnn.learning.grid_networks.grid import BodyGrid, PointsOnGrid
 
 NODES = 8
 
@@ -16,13 +16,13 @@ def points() -> FloatArray:
     return np.random.default_rng(0).uniform(-30.0, 50.0, (200, 3))
 
 
-def fields_on(grid: Grid, columns: FloatArray) -> torch.Tensor:
+def fields_on(grid: BodyGrid, columns: FloatArray) -> torch.Tensor:
     n = grid.nodes
     return as_float32(columns).T.reshape(1, -1, n, n, n)
 
 
 def test_a_linear_field_on_the_grid_is_read_back_exactly(points: FloatArray) -> None:
-    grid = Grid.about(points, NODES)
+    grid = BodyGrid.about(points, NODES)
     gradient = np.random.default_rng(1).normal(size=(3, 3))
     on_grid = fields_on(grid, grid.positions @ gradient.T + [1.0, 2.0, 3.0])
     read = PointsOnGrid(grid, points).gather(on_grid)[0].numpy()
@@ -30,7 +30,7 @@ def test_a_linear_field_on_the_grid_is_read_back_exactly(points: FloatArray) -> 
 
 
 def test_the_body_lies_within_the_grid(points: FloatArray) -> None:
-    grid = Grid.about(points, NODES)
+    grid = BodyGrid.about(points, NODES)
     low, high = grid.positions.min(axis=0), grid.positions.max(axis=0)
     assert (points - low >= 0.99 * grid.spacing).all()
     assert (high - points >= 0.99 * grid.spacing).all()
@@ -39,7 +39,7 @@ def test_the_body_lies_within_the_grid(points: FloatArray) -> None:
 def test_what_is_the_same_at_all_points_comes_back_from_the_grid(
     points: FloatArray,
 ) -> None:
-    there = PointsOnGrid(Grid.about(points, NODES), points)
+    there = PointsOnGrid(BodyGrid.about(points, NODES), points)
     constant = torch.tensor([1.0, -2.0, 0.5]).expand(1, len(points), 3)
     chosen = torch.zeros(1, len(points))
     chosen[0, ::7] = 1.0
@@ -52,7 +52,7 @@ def test_what_is_the_same_at_all_points_comes_back_from_the_grid(
 
 def test_a_node_has_the_weighted_mean_of_the_points_about_it() -> None:
     corners = np.array([[0.0, 0.0, 0.0], [10.0, 10.0, 10.0]])
-    grid = Grid.about(corners, NODES)
+    grid = BodyGrid.about(corners, NODES)
     node = grid.positions.reshape(NODES, NODES, NODES, 3)[3, 4, 2]
     along = np.array([grid.spacing, 0.0, 0.0])
     near, far = node + 0.25 * along, node - 0.5 * along
@@ -65,7 +65,7 @@ def test_a_node_has_the_weighted_mean_of_the_points_about_it() -> None:
 
 
 def test_points_that_are_not_chosen_do_not_count(points: FloatArray) -> None:
-    there = PointsOnGrid(Grid.about(points, NODES), points)
+    there = PointsOnGrid(BodyGrid.about(points, NODES), points)
     values, chosen = torch.randn(2, len(points), 3), torch.zeros(2, len(points))
     chosen[:, :50] = 1.0
     fields, reached = there.scatter(values, chosen)

@@ -17,9 +17,9 @@ from physgnn.arrays import FloatArray
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
-from physgnn.geometry.surfaces.signed_distance import signed_distance
+from physgnn.geometry.surfaces.distances import signed_distance
 from physgnn.learning.graph import Graph, as_float32
-from physgnn.learning.grid_networks.grid import Grid, PointsOnGrid
+from physgnn.learning.grid_networks.grid import BodyGrid, PointsOnGrid
 from physgnn.learning.grid_networks.known_surface import (
     known_displacement,
     seen_about,
@@ -48,7 +48,7 @@ class CNNModel(Network):
     body : Body
         What is loaded.
     cells : int
-        Grid nodes along each axis.
+        Nodes of the grid along each axis.
     width : int
         Columns on the finest grid.
     levels : int
@@ -83,7 +83,7 @@ class CNNModel(Network):
             )
         self.matched = matched
         points = body.mesh.points
-        self._grid = grid = Grid.about(points, cells)
+        self.grid = grid = BodyGrid.about(points, cells)
         self.places = PointsOnGrid(grid, points)
         held = torch.zeros(1, len(points))
         held[0, body.fixed] = 1.0
@@ -94,7 +94,7 @@ class CNNModel(Network):
 
     def _shape(self, held: Tensor) -> Tensor:
         """Return what depends on the body alone, (1, 2, n, n, n)."""
-        grid, mesh = self._grid, self.body.mesh
+        grid, mesh = self.grid, self.body.mesh
         away = signed_distance(mesh.points, boundary_faces(mesh), grid.positions)
         distance = as_float32(away / (FAR * grid.spacing))
         _, skull = self.places.scatter(held.unsqueeze(-1), held)
@@ -125,7 +125,7 @@ class CNNModel(Network):
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:
         """Return displacement in mm, (batch, n_points, 3)."""
         graph.check_rows(inputs)
-        spacing = self._grid.spacing
+        spacing = self.grid.spacing
         known, seen = self.places.scatter(inputs[..., :3] / spacing, inputs[..., 3])
         shape = self.shape.expand(len(inputs), -1, -1, -1, -1)
         fields = self.network(torch.cat([known, seen, shape], dim=1))

@@ -19,7 +19,7 @@ MARGIN = 1  # cells about the body on every side
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class BodyGrid:
     """Nodes at equal distances along x, y and z.
 
     Attributes
@@ -37,7 +37,7 @@ class Grid:
     nodes: int
 
     @classmethod
-    def about(cls, points: FloatArray, nodes: int) -> "Grid":
+    def about(cls, points: FloatArray, nodes: int) -> "BodyGrid":
         """Return the smallest cube about points (n, 3), mm, with a cell of margin."""
         low, high = points.min(axis=0), points.max(axis=0)
         cells = nodes - 1 - 2 * MARGIN
@@ -59,7 +59,7 @@ class PointsOnGrid(nn.Module):
 
     Parameters
     ----------
-    grid : Grid
+    grid : BodyGrid
         About the points.
     points : (n_points, 3) array
         Within the grid, mm.
@@ -68,7 +68,7 @@ class PointsOnGrid(nn.Module):
     corner: Tensor
     weight: Tensor
 
-    def __init__(self, grid: Grid, points: FloatArray) -> None:
+    def __init__(self, grid: BodyGrid, points: FloatArray) -> None:
         super().__init__()
         self.nodes = grid.nodes
         place = (points - grid.origin) / grid.spacing
