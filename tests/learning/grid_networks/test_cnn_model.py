@@ -57,6 +57,14 @@ def test_where_a_body_is_and_its_size_change_nothing(store: Store) -> None:
     )
 
 
+def test_an_untrained_network_moves_next_to_nothing(store: Store) -> None:
+    known = known_displacement(store, 0, 3, matched=False)
+    for seed in range(3):
+        model = network(store.body, seed)
+        found = np.abs(model.displacement_from(known))
+        assert 0 < found.max() < 0.02 * model.grid.spacing
+
+
 def test_only_points_that_are_seen_count(store: Store) -> None:
     case = store.load_case(0, 3)
     seen = seen_about(store.body, case)

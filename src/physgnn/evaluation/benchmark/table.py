@@ -12,7 +12,7 @@ from physgnn.evaluation.benchmark.result import (
 )
 from physgnn.evaluation.benchmark.tasks import TASKS
 from physgnn.evaluation.measure.distribution import Distribution
-from physgnn.evaluation.report.formats import NONE, minutes, mm, percent
+from physgnn.evaluation.report.formats import NONE, duration, minutes, mm, percent
 from physgnn.evaluation.report.style import label
 
 WIDTH = 110
@@ -186,7 +186,7 @@ def _cells(row: BenchmarkResult, errors: Distribution) -> list[str]:
         percent(errors.within_1mm),
         *(NONE if region is None else mm(region.mean) for region in regions),
         NONE if row.processor_minutes is None else minutes(row.processor_minutes),
-        NONE if row.milliseconds is None else f"{row.milliseconds:.3g} ms",
+        NONE if row.milliseconds is None else duration(row.milliseconds / 1e3),
         NONE if row.memory_mb is None else f"{row.memory_mb:.0f} MB",
     ]
 

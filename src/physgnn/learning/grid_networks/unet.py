@@ -6,6 +6,7 @@ import torch
 from torch import Tensor, nn
 
 LEAK = 0.1  # slope of the activation below zero
+FIRST_SIZE = 0.01  # of the last layer's weights before training, of what is usual
 
 
 def convolutions(n_inputs: int, n_outputs: int) -> nn.Sequential:
@@ -47,6 +48,10 @@ class UNet(nn.Module):
         )
         self.up = nn.ModuleList(convolutions(2 * a, a) for a, _ in reversed(pairs))
         self.last = nn.Conv3d(width, n_outputs, 1)
+        # Training begins near zero: from anywhere else it first has to unlearn that.
+        with torch.no_grad():
+            for weights in self.last.parameters():
+                weights.mul_(FIRST_SIZE)
 
     def forward(self, fields: Tensor) -> Tensor:
         """Return (batch, n_outputs, n, n, n) of (batch, n_inputs, n, n, n)."""
