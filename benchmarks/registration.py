@@ -3,10 +3,10 @@
     OMP_NUM_THREADS=2 python benchmarks/registration.py --cases 24
     OMP_NUM_THREADS=2 python benchmarks/registration.py --cases 24 --skull sliding
 
-The truth is of `benchmarks/shifts.py`: another mesh, other tissue, other loads. Within
-30 mm of the craniotomy two things are measured with 0.5 to 1 mm of noise a coordinate,
-of which the registration is told the middle, 0.75 mm: how 50 points moved, and where
-2000 points of the surface lie, without telling which point is which.
+The truth is of `physgnn.evaluation.in_silico.shifts`: another mesh, other tissue, other
+loads. Within 30 mm of the craniotomy two things are measured with 0.5 to 1 mm of noise
+a coordinate, of which the registration is told the middle, 0.75 mm: how 50 points
+moved, and where 2000 points of the surface lie, without telling which point is which.
 
 Target registration error (TRE): distance between true and registered place of every
 mesh point; over the whole brain, within 50 mm of the craniotomy, and in the tumour.
@@ -17,125 +17,38 @@ they have the nearest points of the body at rest, the rigid motion by iterated m
 """
 
 import argparse
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
-import pyvista as pv
-from scipy.interpolate import RBFInterpolator
-from scipy.spatial import cKDTree
-from scipy.spatial.transform import Rotation
 
 from physgnn.arrays import BoolArray, FloatArray
-from physgnn.geometry import TetMesh, boundary_surface, mni152_phantom, tetrahedralize
-from physgnn.geometry.measured import PointPairs, SurfacePoints
-from physgnn.mechanics import NeoHookean
-from physgnn.mechanics.body import Body
-from physgnn.registration.measurements.surfaces import N_SURFACE_POINTS
-from physgnn.registration.registrar import Registrar
-from physgnn.registration.result import Registration
-from shifts import EXPOSED_MM, Truth, held
+from physgnn.evaluation.in_silico.compared import (
+    SHIFT_METHODS,
+    TOLD_MM,
+    Compared,
+    ShiftMeasured,
+)
+from physgnn.evaluation.in_silico.peers import spline
+from physgnn.evaluation.in_silico.shifts import Truth
+from physgnn.registration.registrar import Registration
 
-NEAR_MM, N_SKULL, ICP_STEPS = 50.0, 60, 30
-HELD_MM, TOLD_MM = 75.0, 0.75
-MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
-
-
-def rigid(pairs: PointPairs, points: FloatArray) -> FloatArray:
-    """Displacement of the rigid motion that fits the pairs best."""
-    middle, to = pairs.source.mean(axis=0), pairs.target.mean(axis=0)
-    turn, _ = Rotation.align_vectors(pairs.target - to, pairs.source - middle)
-    return turn.apply(points - middle) + to - points
+NEAR_MM = 50.0
 
 
-def nearest_pairs(surface: SurfacePoints, body: FloatArray) -> PointPairs:
-    """Pair each measured point with the nearest of a body's."""
-    return PointPairs(body[cKDTree(body).query(surface.points)[1]], surface.points)
-
-
-def rigid_icp(
-    surface: SurfacePoints, body: FloatArray, points: FloatArray
-) -> FloatArray:
-    """Displacement of the rigid motion found by matching again and again."""
-    seen, moved = body.copy(), points.copy()
-    for _ in range(ICP_STEPS):
-        pairs = nearest_pairs(surface, seen)
-        seen, moved = seen + rigid(pairs, seen), moved + rigid(pairs, moved)
-    return moved - points
-
-
-def spline(
-    pairs: PointPairs, points: FloatArray, anchors: FloatArray | None = None
-) -> FloatArray:
-    """Displacement of a thin-plate spline; anchors, if there are any, stay."""
-    n = len(pairs.source)
-    extra = np.empty((0, 3)) if anchors is None else anchors
-    x = np.concatenate([pairs.source, extra])
-    d = np.concatenate([pairs.displacement, np.zeros_like(extra)])
-
-    def left_out(smoothing: float) -> float:
-        residual = []
-        for held_out in np.array_split(np.random.default_rng(0).permutation(n), 10):
-            kept = np.setdiff1d(np.arange(len(x)), held_out)
-            model = RBFInterpolator(x[kept], d[kept], smoothing=smoothing)
-            residual.append(model(x[held_out]) - d[held_out])
-        return float((np.concatenate(residual) ** 2).sum())
-
-    best = min(np.logspace(0, 9, 10), key=left_out)
-    return RBFInterpolator(x, d, smoothing=best)(points)
-
-
-class Compared:
-    """The mesh that is registered, and what else it may be compared with."""
-
-    def __init__(
-        self,
-        n_points: int,
-        skull: str,
-        x: FloatArray,
-        causes: Sequence[str] | None = (),
-    ) -> None:
-        phantom = mni152_phantom(n_points=600)
-        surfaces = phantom.brain, phantom.tumours
-        mesh = tetrahedralize(*surfaces, target_points=n_points)
-        self.mesh = held(mesh, phantom, HELD_MM)
-        body = Body(self.mesh, MATERIALS)
-        self.registrar = Registrar(body, skull=skull, causes=causes)
-        self._x, self._locate = x, _sampler(self.mesh, x)
-        chosen = np.random.default_rng(0).choice(self.mesh.point_set("fixed"), N_SKULL)
-        self._anchors = self.mesh.points[chosen]
-        outer = boundary_surface(self.mesh)
-        middles = outer.points[outer.faces].mean(axis=1)
-        exposed = np.concatenate([mesh.points[np.unique(outer.faces)], middles])
-        offset = np.linalg.norm(exposed - phantom.craniotomy_point, axis=1)
-        self._exposed = exposed[offset < EXPOSED_MM]
-
-    def at_truth(self, displacement: FloatArray) -> FloatArray:
-        """Return a displacement of the registered mesh at the true points."""
-        return self._locate(displacement)
-
-    def displacements(
-        self, measured: PointPairs | SurfacePoints
-    ) -> tuple[dict[str, FloatArray], Registration]:
-        """Return the displacement of the true points by every method."""
-        x = self._x
-        if isinstance(measured, PointPairs):
-            pairs, moved = measured, rigid(measured, x)
-        else:
-            few = measured.thinned(N_SURFACE_POINTS)
-            pairs, moved = (
-                nearest_pairs(few, self._exposed),
-                rigid_icp(few, self._exposed, x),
-            )
-        line = self.registrar(measured, noise_mm=TOLD_MM, linear=True)
-        found = self.registrar(measured, noise_mm=TOLD_MM)
-        return {
-            "no registration": np.zeros_like(x),
-            "rigid": moved,
-            "thin-plate spline": spline(pairs, x),
-            "spline with skull": spline(pairs, x, self._anchors),
-            "linear": self._locate(line.prediction.displacement),
-            "nonlinear": self._locate(found.prediction.displacement),
-        }, found
+def displacements(
+    body: Compared, measured: ShiftMeasured
+) -> tuple[dict[str, FloatArray], Registration]:
+    """Return the displacement of the true points by every method."""
+    found = body.registrar(measured, noise_mm=TOLD_MM)
+    plain = spline(body.pairs(measured), body.x)
+    return {
+        "no registration": SHIFT_METHODS["zero"](body, measured),
+        "rigid": SHIFT_METHODS["rigid"](body, measured),
+        "thin-plate spline": plain,
+        "spline with skull": SHIFT_METHODS["spline"](body, measured),
+        "linear": SHIFT_METHODS["linear"](body, measured),
+        "nonlinear": body.at_truth(found.prediction.displacement),
+    }, found
 
 
 class Table:
@@ -216,25 +129,10 @@ def main() -> None:
         largest = np.linalg.norm(case.displacement, axis=1).max()
         print(f"{seed:3d}: shift {largest:5.1f} mm")
         for kind, table in tables.items():
-            displacements, found = body.displacements(getattr(case, kind))
-            print(table.add(case.displacement, displacements, found), flush=True)
+            moved, found = displacements(body, getattr(case, kind))
+            print(table.add(case.displacement, moved, found), flush=True)
     for table in tables.values():
         print(f"\n{table}")
-
-
-def _sampler(mesh: TetMesh, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
-    """Return a function that interpolates fields of a mesh at points.
-
-    A point just outside takes the value of the nearest place of the nearest cell.
-    """
-    grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
-    corners = mesh.cells[grid.find_closest_cell(x)]
-    first, edges = mesh.points[corners[:, 0]], mesh.points[corners[:, 1:]]
-    edges = np.moveaxis(edges - first[:, None], 1, 2)
-    others = np.linalg.solve(edges, (x - first)[..., None])[..., 0]
-    weights = np.column_stack([1.0 - others.sum(axis=1), others]).clip(0.0)
-    weights /= weights.sum(axis=1, keepdims=True)
-    return lambda u: np.einsum("ni,nij->nj", weights, u[corners])
 
 
 if __name__ == "__main__":

@@ -3,8 +3,8 @@
     OMP_NUM_THREADS=1 python benchmarks/registration_bounds.py --cases 12
     OMP_NUM_THREADS=1 python benchmarks/registration_bounds.py --skull sliding
 
-The truth is of `benchmarks/shifts.py`: a finer mesh, other tissue, other loads. Each
-shift is measured five ways (`KINDS`): 40 pairs on the surface, 2000 points of it, 15
+The truth is of `physgnn.evaluation.in_silico.shifts`: a finer mesh, other tissue, other
+loads. Each shift is measured five ways (`KINDS`): 40 pairs on the surface, 2000 points of it, 15
 landmarks inside, the whole surface, and the first three together; and each of these as
 it is or badly (`CONDITIONS`): a tenth of the points 15 mm off in a random direction,
 two swapped, all of them 3 mm and 1.5° off as a whole, which is corrected; so too "bone"
@@ -31,10 +31,10 @@ from scipy.stats import binomtest
 
 from held_out import Log
 from physgnn.arrays import FloatArray
+from physgnn.evaluation.in_silico.compared import TOLD_MM, Compared
+from physgnn.evaluation.in_silico.shifts import BONE_NOISE_MM, Case, Truth
 from physgnn.geometry.measured import PointPairs, SurfacePoints, WholeSurface
 from physgnn.registration.inference.bounds import factors_of
-from registration import TOLD_MM, Compared
-from shifts import BONE_NOISE_MM, Case, Truth
 from tables import machine, table
 
 Measured = PointPairs | SurfacePoints | WholeSurface

@@ -3,11 +3,11 @@
     OMP_NUM_THREADS=1 python benchmarks/registration_causes.py --cases 4
 
 The truth is on a finer mesh with other tissue and another line of support than the mesh
-that is registered (`benchmarks/shifts.py`). It moves by one cause: tissue within 25 mm
-of the tumour swells, all brain contracts, the brain sags as the fluid drains, or the
-tumour is taken out and the cavity falls together as the fluid drains; or by forces that
-are none of them. 40 points of the cortex are measured with 0.75 mm of noise a
-coordinate.
+that is registered (`physgnn.evaluation.in_silico.shifts`). It moves by one cause:
+tissue within 25 mm of the tumour swells, all brain contracts, the brain sags as the
+fluid drains, or the tumour is taken out and the cavity falls together as the fluid
+drains; or by forces that are none of them. 40 points of the cortex are measured with
+0.75 mm of noise a coordinate.
 
 Prints the shift and the error, mean over all points and cases, mm, with and without the
 causes in the prior; of the cavity also when the tumour is left in. After that, how
@@ -20,6 +20,13 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from physgnn.arrays import FloatArray
+from physgnn.evaluation.in_silico.compared import HELD_MM, MATERIALS
+from physgnn.evaluation.in_silico.shifts import (
+    EXPOSED_MM,
+    TRUE_MATERIALS,
+    Truth,
+    held,
+)
 from physgnn.geometry import TetMesh, mni152_phantom, tetrahedralize
 from physgnn.geometry.measured import PointPairs
 from physgnn.imaging.point_displacement import displacement_at
@@ -29,8 +36,6 @@ from physgnn.mechanics.loads.growth_rules import GrowthIn
 from physgnn.mechanics.loads.sampling import equal_levels
 from physgnn.registration.registrar import Registrar
 from physgnn.stages.patient.intraoperative.removed_region import resected
-from registration import HELD_MM, MATERIALS
-from shifts import EXPOSED_MM, TRUE_MATERIALS, Truth, held
 from tables import machine, table
 
 N_PAIRS, NOISE_MM, LEVELS = 40, 0.75, 5

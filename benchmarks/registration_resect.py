@@ -20,13 +20,14 @@ from pathlib import Path
 import numpy as np
 
 from physgnn.arrays import FloatArray
+from physgnn.evaluation.in_silico.compared import HELD_MM, MATERIALS
+from physgnn.evaluation.in_silico.peers import rigid
 from physgnn.geometry import boundary_points, mni152_phantom, tetrahedralize
 from physgnn.geometry.measured import Landmarks, PointPairs
 from physgnn.geometry.point_sets import Complement, Sphere, select
 from physgnn.mechanics.body import Body
 from physgnn.registration.measurements.places import cell_interpolation
 from physgnn.registration.registrar import Registrar
-from registration import HELD_MM, MATERIALS, rigid
 from tables import machine, table
 
 DRAWS = 10_000

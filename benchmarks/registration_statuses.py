@@ -2,8 +2,8 @@
 
     OMP_NUM_THREADS=1 python benchmarks/registration_statuses.py --cases 12
 
-The shifts are those of `benchmarks/shifts.py`. Each is measured well, and then badly in
-every way of `BAD`: too few points, one point many times, points in a line or a cluster,
+The shifts are those of `physgnn.evaluation.in_silico.shifts`. Each is measured well,
+and then badly in every way of `BAD`: too few points, one point many times, points in a line or a cluster,
 pairs swapped or gone astray, a tracker that moved, a surface far away or in other
 units, a noise stated far too small. What a tracker may have moved is measured once more
 with 6 points of the bone around the craniotomy, of 0.5 mm of noise.
@@ -25,10 +25,10 @@ import numpy as np
 from held_out import Log
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
+from physgnn.evaluation.in_silico.compared import TOLD_MM, Compared
+from physgnn.evaluation.in_silico.shifts import BONE_NOISE_MM, N_BONE, Case, Truth
 from physgnn.geometry.measured import BonePoints, PointPairs, SurfacePoints
 from physgnn.prediction import PredictionStatus
-from registration import TOLD_MM, Compared
-from shifts import BONE_NOISE_MM, N_BONE, Case, Truth
 from tables import machine, table
 
 Measured = PointPairs | SurfacePoints

@@ -25,6 +25,7 @@ SMALL = {  # options that make a method quick enough for a test
     "reduced": {"anchors": 3},
     "meshgraphnet": {"width": 8, "steps": 2},
     "transolver": {"width": 8, "layers": 2, "heads": 2, "slices": 4},
+    "cnn": {"cells": 8, "width": 4, "levels": 2},
     "lifted": {"width": 8, "layers": 2, "pod_modes": 2, "anchors": 2},
     "physgnn": {"width": 8},
 }
@@ -129,7 +130,9 @@ def test_only_networks_need_torch_of_their_author() -> None:
     modules = {
         name for name in MODELS if issubclass(model_class(name), torch.nn.Module)
     }
-    assert kinds == modules == {"lifted", "meshgraphnet", "physgnn", "transolver"}
+    assert kinds == modules == {
+        "cnn", "lifted", "meshgraphnet", "physgnn", "transolver",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(

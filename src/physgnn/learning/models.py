@@ -38,6 +38,7 @@ MODELS: Mapping[str, str] = {
         "physgnn.learning.mesh_networks.meshgraphnet_model:MeshGraphNetModel"
     ),
     "transolver": "physgnn.learning.mesh_networks.transolver_model:TransolverModel",
+    "cnn": "physgnn.learning.grid_networks.cnn_model:CNNModel",
     "lifted": "physgnn.learning.lifted.model:LiftedModel",
     "physgnn": "physgnn.learning.physgnn.model:PhysGNNModel",
 }

@@ -98,6 +98,14 @@ class Surrogate(ABC):
 
     # What a method may know better than the default does.
 
+    def sample_case(self, store: Store, path: int, level: int) -> LoadCase:
+        """Return what it is told of a sample of a dataset: by default the load alone.
+
+        A method that takes a measured displacement is told more
+        (`physgnn.mechanics.loads.observed`); a comparison says so.
+        """
+        return store.load_case(path, level)
+
     def linear(self, load_case: LoadCase) -> FloatArray:
         """Return the linear solution K₀⁻¹ f, (n_points, 3), mm."""
         return self._rest.solve(load_case.on_points(self.body.mesh.n_points))

@@ -12,7 +12,12 @@ import pytest
 
 from physgnn.errors import InputError
 from physgnn.evaluation.benchmark.chart import draw_benchmark
-from physgnn.evaluation.benchmark.methods import Method, method_names, named_methods
+from physgnn.evaluation.benchmark.methods import (
+    SHIFTS_ONLY,
+    Method,
+    method_names,
+    named_methods,
+)
 from physgnn.evaluation.benchmark.peak_memory import PeakMemory
 from physgnn.evaluation.benchmark.result import (
     BenchmarkResult,
@@ -188,11 +193,37 @@ def test_the_same_results_draw_the_same_figure(tmp_path: Path) -> None:
 def test_every_row_of_models_is_a_method_once() -> None:
     names = method_names()
     assert len(names) == len(set(names))
-    assert set(names) == {*MODELS, "repaired"} - {"finite-element"}
+    assert set(names) == {*MODELS, "repaired", *SHIFTS_ONLY} - {"finite-element"}
     for name in names:
         for task in TASKS:
             for size in ("tiny", "full"):
                 assert Method.of(name, task, size).options is not None
+
+
+def test_the_methods_of_the_field_are_there() -> None:
+    wanted = {
+        "zero", "linear", "interpolation", "linear-regression", "decision-tree",
+        "random-forest", "extra-trees", "svr", "gpr", "mlp", "pod-network", "rbf",
+        "cnn", "meshgraphnet", "transolver", "physgnn", "lifted", "reduced", "galerkin",
+        "repaired", "rigid", "spline", "register",
+    }  # fmt: skip
+    assert wanted == set(method_names())
+
+
+def test_what_does_not_apply_is_named_once_a_reason() -> None:
+    rows = [result("linear", 0.2)] + [
+        BenchmarkResult(identity(name), "not applicable", reason=why)
+        for name, why in (("svr", "too late"), ("gpr", "too late"), ("rbf", "too far"))
+    ]
+    text = one_line(page(rows, "c.svg", "x"))
+    late = "too late: Support vector regression, Gaussian process."
+    assert f"- Not applicable, {late} - Not applicable, too far: Radial" in text
+
+
+def test_who_was_told_more_is_said_where_loads_are_given() -> None:
+    for task, said in (("dataset-2-paths", True), ("registration-surface", False)):
+        text = one_line(page([result("cnn", 0.2, task=task)], "c.svg", "x"))
+        assert ("Convolutional network is told how the surface" in text) == said
 
 
 def test_trivial_methods_are_always_beside() -> None:

@@ -13,7 +13,7 @@ import physgnn as pg
 from physgnn.cli.door import main
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
-from physgnn.evaluation.benchmark import running
+from physgnn.evaluation.benchmark import load_measuring
 from physgnn.evaluation.benchmark.methods import method_names
 from physgnn.evaluation.benchmark.result import BenchmarkResult
 from physgnn.evaluation.benchmark.tasks import BELOW_N, TASKS, TONUTTI
@@ -123,7 +123,7 @@ def test_what_is_there_is_not_made_anew_and_a_kill_loses_one_method(
 ) -> None:
     pg.benchmark(folder, task=TASK, method="linear")
     made: list[str] = []
-    really = running.measure
+    really = load_measuring.measure
 
     def killed(row: Any, *args: Any, **options: Any) -> Any:
         made.append(row.name)
@@ -131,11 +131,11 @@ def test_what_is_there_is_not_made_anew_and_a_kill_loses_one_method(
             raise SystemExit(143)  # as SIGTERM does
         return really(row, *args, **options)
 
-    monkeypatch.setattr(running, "measure", killed)
+    monkeypatch.setattr(load_measuring, "measure", killed)
     with pytest.raises(SystemExit):
         pg.benchmark(folder, task=TASK, method="linear-regression,decision-tree")
     assert made == ["linear-regression", "decision-tree"]
-    monkeypatch.setattr(running, "measure", really)
+    monkeypatch.setattr(load_measuring, "measure", really)
     said: list[str] = []
     outcome = pg.benchmark(
         folder, task=TASK, method="linear-regression,decision-tree", log=said.append
@@ -152,13 +152,15 @@ def test_all_methods_in_five_minutes(folder: Path, tmp_path: Path) -> None:
     assert time.process_time() - begun < 60 * PROCESSOR_MINUTES
     assert [result.identity.method for result in outcome.results] == [*method_names()]
     without = {r.identity.method for r in outcome.results if r.status != "measured"}
-    assert without == {"interpolation"}  # whole load paths are held out
+    # whole load paths are held out, and nothing was measured
+    assert without == {"interpolation", "rigid", "spline", "register"}
     found = {r.identity.method: r for r in outcome.results}
     mean = {k: r.errors.all_points.mean for k, r in found.items() if r.errors}
     assert mean["repaired"] < 0.1  # mm: what it was repaired to
     assert mean["repaired"] < mean["lifted"] < mean["zero"]
     assert found["repaired"].processor_minutes == found["lifted"].processor_minutes
-    for name in ("physgnn", "lifted", "meshgraphnet", "transolver"):
+    assert mean["cnn"] < mean["zero"]
+    for name in ("physgnn", "lifted", "meshgraphnet", "transolver", "cnn"):
         minutes = [minute for minute, _ in found[name].curve]
         assert minutes == sorted(minutes)
         assert len(minutes) > 0
@@ -172,17 +174,44 @@ def test_all_methods_in_five_minutes(folder: Path, tmp_path: Path) -> None:
 
 @needs_tetgen
 @pytest.mark.slow
-@pytest.mark.parametrize("task", [name for name in TASKS if not TASKS[name].not_run])
+@pytest.mark.parametrize("task", [name for name in TASKS if not TASKS[name].measured])
 def test_every_task_runs(task: str, folder: Path) -> None:
-    method = "linear,decision-tree,lifted"
+    method = "linear,decision-tree,lifted,cnn,rigid"
     outcome = pg.benchmark(folder, task=task, method=method, minutes=0.02)
     status = {r.identity.method: r.status for r in outcome.results}
     never = task == "mesh-never-seen"
     tree = "not applicable" if never else "measured"
     assert status.pop("decision-tree") == tree
+    assert status.pop("rigid") == "not applicable"
     assert set(status.values()) == {"measured"}
     for result in outcome.results:
         assert (result.errors is None) or result.errors.tumour is not None
+
+
+@needs_tetgen
+@pytest.mark.slow
+@pytest.mark.parametrize("task", [name for name in TASKS if TASKS[name].measured])
+def test_registrations_beside_their_peers(task: str, folder: Path) -> None:
+    method = "rigid,spline,register,cnn,lifted,decision-tree"
+    outcome = pg.benchmark(folder, task=task, method=method, minutes=0.02)
+    found = {r.identity.method: r for r in outcome.results}
+    no = {name for name, r in found.items() if r.status == "not applicable"}
+    takes_loads = {"lifted", "decision-tree"}
+    surface = task == "registration-surface"
+    assert no == (takes_loads if surface else {*takes_loads, "cnn"})
+    assert all(found[name].reason for name in no)
+    mean = {k: r.errors.all_points.mean for k, r in found.items() if r.errors}
+    assert len(mean) + len(no) == len(found)
+    assert mean["register"] < mean["spline"] < mean["zero"] < mean["rigid"]
+    for result in found.values():
+        if result.errors is not None:
+            assert result.errors.tumour is not None
+            assert result.errors.n_samples == result.identity.data["test"]
+    shifts = sorted((folder / "data" / "shifts-tiny").iterdir())
+    written = [file.stat().st_mtime_ns for file in shifts]
+    again = pg.benchmark(folder, task=task, method=method, minutes=0.02)
+    assert again.results == outcome.results
+    assert [file.stat().st_mtime_ns for file in shifts] == written
 
 
 @pytest.mark.parametrize(
@@ -212,12 +241,12 @@ def test_a_stranger_that_cannot_be_made_is_refused_before_the_work(
 def test_tasks_without_data_are_named_and_none_at_all_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ("--size", "full", "--data", tmp_path, "-o", tmp_path / "out")
-    assert code_of(*words, monkeypatch=monkeypatch) == 2
-    said = capsys.readouterr().err
-    assert "no task can be run" in said
-    for name in TASKS:
-        assert name in said
+    for name in [name for name in TASKS if TASKS[name].needs]:
+        words = ("--task", name, "--size", "full", "--data", tmp_path)
+        code = code_of(*words, "-o", tmp_path / "out", monkeypatch=monkeypatch)
+        assert code == 2
+        said = capsys.readouterr().err
+        assert f"no task can be run: {name}: it needs {TASKS[name].needs}" in said
     assert not (tmp_path / "out").exists()
 
 
@@ -231,7 +260,7 @@ def test_tasks_without_data_are_named_and_none_at_all_is_refused(
         ({"minutes": float("nan")}, "minutes must be > 0"),
         ({"seed": -1}, "seed must be ≥ 0"),
         ({"report": "nowhere"}, "holds no results"),
-        ({"task": "registration-pairs"}, "registration"),
+        ({"size": "full", "task": "registration-surface"}, "mesh-never-seen in the"),
         ({"size": "full", "task": "dataset-1-paths"}, "paper-1.zarr in the folder"),
         ({"size": "full", "data": "nowhere"}, "must be a folder"),
     ],

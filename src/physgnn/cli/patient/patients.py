@@ -36,8 +36,9 @@ def adapt(
     run: Annotated[
         Path | None,
         typer.Argument(
-            help="The folder of a lifted network trained with pod_modes = 0; by "
-            "default, and as bundled-family, the one that comes with the package."
+            help="The folder of a lifted network trained with pod_modes = 0, or of a "
+            "cnn; by default, and as bundled-family, the one that comes with the "
+            "package."
         ),
     ] = None,
     case: Annotated[

@@ -107,8 +107,8 @@ def benchmark(
         typer.Option(
             help="Measure this method, or several with commas between, or all: "
             f"{', '.join(choices.names('ModelName'))} (but not finite-element), "
-            "repaired; or one of your own, as module:Class. Zero and linear are always "
-            "measured beside."
+            "repaired, rigid, spline, register; or one of your own, as module:Class. "
+            "Zero and linear are always measured beside."
         ),
     ] = "all",
     size: Annotated[

@@ -1,6 +1,5 @@
 """A method on a task's data, and what its result follows from."""
 
-import hashlib
 import inspect
 import sys
 from collections.abc import Sequence
@@ -11,12 +10,14 @@ from typing import Any
 from physgnn.dataset.splits.meshes import split_meshes
 from physgnn.dataset.splits.samples import MESH, Split
 from physgnn.dataset.storage.store import Store
-from physgnn.evaluation.benchmark.methods import Method
+from physgnn.evaluation.benchmark.methods import SHIFTS_ONLY, Method
 from physgnn.evaluation.benchmark.result import Identity
+from physgnn.evaluation.benchmark.shift_data import ShiftData, digest
 from physgnn.evaluation.benchmark.tasks import TASKS
 from physgnn.evaluation.measure.held_out import HeldOut
 from physgnn.learning.models import MODELS, model_class
 from physgnn.learning.network import Network
+from physgnn.learning.surrogate import Surrogate
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +54,22 @@ class TaskData:
             return [self.store], [self.split]
         return list(self.others), split_meshes(self.others)
 
+    @property
+    def about(self) -> dict[str, Any]:
+        """A hash of the data, and how many there are."""
+        stores: Sequence[Store] = (self.store, *self.others)
+        return {
+            "hash": digest(*(store.content_hash().encode() for store in stores)),
+            "points": self.store.mesh.n_points,
+            "train": sum(len(split.train) for split in self.trained_on[1]),
+            "test": len(self.held_out.test),
+        }
+
+    @property
+    def about_split(self) -> dict[str, Any]:
+        """The split's name, and a hash of what is in which part."""
+        return {"name": self.split.name, "hash": _split_hash(self.split)}
+
 
 @dataclass(frozen=True, eq=False)
 class MethodOnTask:
@@ -62,7 +79,7 @@ class MethodOnTask:
     ----------
     method : Method
         With its options.
-    data : TaskData
+    data : TaskData or ShiftData
         What it learns from and is tested on.
     minutes : float
         Processor minutes that a network may train.
@@ -73,15 +90,16 @@ class MethodOnTask:
     """
 
     method: Method
-    data: TaskData
+    data: TaskData | ShiftData
     minutes: float
     seed: int
     runs: Path
 
     @property
     def kind(self) -> type[Any]:
-        """The method's class."""
-        return model_class(self.method.model)
+        """The method's class; of one that takes no load, that of all."""
+        takes_loads = self.method.name not in SHIFTS_ONLY
+        return model_class(self.method.model) if takes_loads else Surrogate
 
     @property
     def identity(self) -> Identity:
@@ -95,8 +113,8 @@ class MethodOnTask:
             method=method.name,
             options={**options, **(method.training if network else {})},
             origin=_origin(self.kind, method.model),
-            data=_about_data(data),
-            split={"name": data.split.name, "hash": _split_hash(data.split)},
+            data=data.about,
+            split=data.about_split,
             seed=self.seed if self.kind.draws else None,
             processor_minutes=self.minutes if network else None,
         )
@@ -109,23 +127,9 @@ class MethodOnTask:
         return identity.file(self.runs).with_suffix("")
 
 
-def _about_data(data: TaskData) -> dict[str, Any]:
-    stores: Sequence[Store] = (data.store, *data.others)
-    return {
-        "hash": _digest(*(store.content_hash().encode() for store in stores)),
-        "points": data.store.mesh.n_points,
-        "train": sum(len(split.train) for split in data.trained_on[1]),
-        "test": len(data.held_out.test),
-    }
-
-
 def _split_hash(split: Split) -> str:
     parts = (split.train, split.validation, split.test)
-    return _digest(*(part.astype("<i8").tobytes() + b"|" for part in parts))
-
-
-def _digest(*parts: bytes) -> str:
-    return hashlib.sha256(b"".join(parts)).hexdigest()
+    return digest(*(part.astype("<i8").tobytes() + b"|" for part in parts))
 
 
 def _origin(kind: type[Any], name: str) -> str:
@@ -133,6 +137,6 @@ def _origin(kind: type[Any], name: str) -> str:
     if name in MODELS:
         return ""
     try:
-        return _digest(inspect.getsource(sys.modules[kind.__module__]).encode())
+        return digest(inspect.getsource(sys.modules[kind.__module__]).encode())
     except (OSError, TypeError):
         return "no source"  # compiled: a change of it is not seen

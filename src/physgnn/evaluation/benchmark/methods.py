@@ -17,6 +17,8 @@ REPAIRED, REPAIRS = "repaired", "lifted"  # the row, and whose displacements it 
 TOLERANCE_MM = 0.1
 TRIVIAL = ("zero", "linear")  # always measured beside whatever else is
 SOLVERS = ("finite-element",)  # gives the truth: not compared with it
+SHIFTS_ONLY = ("rigid", "spline", "register")  # take what was measured, not a load
+SURFACE_NETWORK = "cnn"  # takes the displacement of a surface
 CHEAP = (
     "zero", "linear", "interpolation", "linear-regression", "decision-tree",
     "random-forest", "extra-trees", "svr", "gpr", "mlp", "pod-network", "rbf",
@@ -27,6 +29,7 @@ SMALL: Mapping[str, Mapping[str, Any]] = {
     "mlp": {"width": 16, "epochs": 4},
     "meshgraphnet": {"width": 16, "steps": 3},
     "transolver": {"width": 16, "layers": 2, "heads": 2, "slices": 8},
+    "cnn": {"cells": 16, "width": 8, "levels": 2},
     "physgnn": {"width": 16},
     "lifted": {"width": 16, "layers": 2, "pod_modes": 4},
     "galerkin": {"pod_modes": 8},
@@ -40,6 +43,8 @@ OF_TASK: Mapping[tuple[str, str], Mapping[str, Any]] = {
     ("physgnn", "tonutti-2017"): {"configuration": 9, "dataset": 1},
     # modes belong to one mesh
     ("lifted", "mesh-never-seen"): {"pod_modes": 0},
+    # no point of a measured surface says which point of the body it was
+    ("cnn", "registration-surface"): {"matched": True},
 }
 BATCH_SIZES: Mapping[tuple[str, str], int] = {
     ("physgnn", "dataset-1-paths"): 4,
@@ -51,9 +56,16 @@ TRAINING: Mapping[str, Any] = {
     "early_stopping": 1000,  # the last, slow steps of a cosine are its best
     "clock": "processor",
 }
-RATES: Mapping[str, float] = {"meshgraphnet": 1e-3, "transolver": 1e-3}
+RATES: Mapping[str, float] = {
+    "meshgraphnet": 1e-3, "transolver": 1e-3, "cnn": 1e-3,
+}  # fmt: skip
 """Learning rates as their authors have them, to within a factor of ten; others have
 the default of training, PhysGNN's published one."""
+TOLD_MORE: Mapping[str, str] = {
+    "cnn": "is told how the surface within 30 mm of the load moved, which no other "
+    "method is, and not the load",
+}
+"""What a method is told that the others are not, where loads are given."""
 MINUTES: Mapping[str, float] = {"tiny": 0.1, "full": 30.0}
 """Processor minutes that a network trains if nothing else is said."""
 
@@ -67,7 +79,7 @@ class Method:
     name : str
         As in the table.
     model : str
-        A row of ``MODELS``, or ``module:Class``.
+        A row of ``MODELS``, ``module:Class``, or the name itself where it is none.
     options : mapping
         All of the model's options.
     tolerance_mm : float or None
@@ -86,6 +98,8 @@ class Method:
     @classmethod
     def of(cls, name: str, task: str, size: str) -> "Method":
         """Return a method with the options that a task and a size give it."""
+        if name in SHIFTS_ONLY:
+            return cls(name, name, {})
         model = REPAIRS if name == REPAIRED else name
         small = SMALL.get(model, {}) if size == "tiny" else {}
         options = {**small, **OF_TASK.get((model, task), {})}
@@ -104,13 +118,13 @@ class Method:
 
 
 def method_names() -> tuple[str, ...]:
-    """Return the names of all methods: baselines, learners, networks, ours, repaired.
+    """Return the names of all methods, those that take measured shifts last.
 
     A new row of ``MODELS`` is among them without more.
     """
     others = [name for name in MODELS if name not in (*CHEAP, *SOLVERS)]
     cheap = [name for name in CHEAP if name in MODELS]
-    return (*cheap, *others, REPAIRED)
+    return (*cheap, *others, REPAIRED, *SHIFTS_ONLY)
 
 
 def _check_class(name: str) -> None:
@@ -145,11 +159,12 @@ def named_methods(text: str) -> tuple[str, ...]:
         return method_names()
     names = [name.strip() for name in text.split(",")]
     for name in names:
-        if name in SOLVERS or not (name == REPAIRED or is_model(name)):
+        known = name in (REPAIRED, *SHIFTS_ONLY)
+        if name in SOLVERS or not (known or is_model(name)):
             raise InputError(
                 f"no method '{name}' (there are: {', '.join(method_names())}; all; or "
                 "one of your own as module:Class)"
             )
-        if name != REPAIRED:
+        if not known:
             _check_class(name)
     return tuple(dict.fromkeys([*TRIVIAL, *names]))

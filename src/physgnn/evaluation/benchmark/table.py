@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 
-from physgnn.evaluation.benchmark.methods import REPAIRED
+from physgnn.evaluation.benchmark.methods import REPAIRED, TOLD_MORE
 from physgnn.evaluation.benchmark.result import (
     FAILED,
     MEASURED,
@@ -12,11 +12,11 @@ from physgnn.evaluation.benchmark.result import (
 )
 from physgnn.evaluation.benchmark.tasks import TASKS
 from physgnn.evaluation.measure.distribution import Distribution
-from physgnn.evaluation.report.formats import NONE, minutes, mm, percent
+from physgnn.evaluation.report.formats import NONE, duration, minutes, mm, percent
 from physgnn.evaluation.report.style import label
 
 WIDTH = 110
-WITHOUT_TRAINING = ("linear", "reduced")  # what a network has to beat
+WITHOUT_TRAINING = ("linear", "reduced", "register")  # what a network has to beat
 FITTED_NETWORKS = ("mlp", "pod-network")  # beside those that have epochs
 HEAD = (
     "method", "mean", "median", "95 %", "99 %", "largest", "≤ 1 mm", "loaded region",
@@ -127,21 +127,45 @@ def _section(task: str, size: str, rows: Sequence[BenchmarkResult]) -> str:
     if size == "tiny":
         parts.append(
             _prose(
-                "Size tiny: a coarse mesh of the bundled brain, few load paths, small "
-                "networks and seconds of training. It shows that all methods run, and "
-                "says little about which is best."
+                "Size tiny: a coarse mesh of the bundled brain, few load paths or "
+                "shifts, small networks and seconds of training. It shows that all "
+                "methods run, and says little about which is best."
             )
         )
     if about.published:
         parts.append(_prose(f"Published, on the data of size full: {about.published}."))
     parts.append(_table(found))
-    parts += [
-        _prose(f"- {label(r.identity.method)}: {r.status}, {r.reason}.", "  ")
-        for r in rows
-        if r.status in (FAILED, NOT_APPLICABLE)
-    ]
+    if told := _told_more(task, found):
+        parts.append(told)
+    if missing := _without_errors(rows):
+        parts.append(missing)
     parts.append(_provenance(rows))
     return "\n\n".join(parts)
+
+
+def _told_more(task: str, found: Sequence[tuple[BenchmarkResult, Distribution]]) -> str:
+    """Return what some methods were told that the others were not."""
+    names = [row.identity.method for row, _ in found if not TASKS[task].measured]
+    return " ".join(
+        _prose(f"{label(name)} {TOLD_MORE[name]}.")
+        for name in names
+        if name in TOLD_MORE
+    )
+
+
+def _without_errors(rows: Sequence[BenchmarkResult]) -> str:
+    """Return a line for each method that failed, and for each reason not to apply."""
+    names: dict[str, list[str]] = {}
+    for row in rows:
+        if row.status == NOT_APPLICABLE:
+            names.setdefault(row.reason, []).append(label(row.identity.method))
+    lines = [
+        f"- {label(row.identity.method)}: {row.status}, {row.reason}."
+        for row in rows
+        if row.status == FAILED
+    ]
+    lines += [f"- Not applicable, {why}: {', '.join(of)}." for why, of in names.items()]
+    return "\n".join(_prose(line, "  ") for line in lines)
 
 
 def _table(found: Sequence[tuple[BenchmarkResult, Distribution]]) -> str:
@@ -162,7 +186,7 @@ def _cells(row: BenchmarkResult, errors: Distribution) -> list[str]:
         percent(errors.within_1mm),
         *(NONE if region is None else mm(region.mean) for region in regions),
         NONE if row.processor_minutes is None else minutes(row.processor_minutes),
-        NONE if row.milliseconds is None else f"{row.milliseconds:.3g} ms",
+        NONE if row.milliseconds is None else duration(row.milliseconds / 1e3),
         NONE if row.memory_mb is None else f"{row.memory_mb:.0f} MB",
     ]
 
@@ -187,10 +211,9 @@ def _provenance(rows: Sequence[BenchmarkResult]) -> str:
 
 
 def _not_run(run: set[str]) -> Iterator[str]:
-    for name, task in TASKS.items():
+    for name in TASKS:
         if name not in run:
-            why = task.not_run or "there are no results of it"
-            yield _prose(f"- {name}: {why}.", "  ")
+            yield _prose(f"- {name}: there are no results of it.", "  ")
 
 
 def _prose(text: str, indent: str = "") -> str:

@@ -10,7 +10,6 @@ import numpy as np
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.choices import Estimate
-from physgnn.dataset.storage.store import Store
 from physgnn.evaluation.measure.cached_rows import CachedRows
 from physgnn.evaluation.measure.held_out import HeldOut
 from physgnn.evaluation.measure.metrics import (
@@ -24,6 +23,7 @@ from physgnn.evaluation.measure.metrics import (
 from physgnn.evaluation.measure.result import ModelErrors, Report
 from physgnn.evaluation.measure.rows import Row
 from physgnn.geometry.regions import TUMOUR
+from physgnn.geometry.tetmesh import TetMesh
 from physgnn.prediction.prediction import Prediction
 from physgnn.progress import Progress
 
@@ -86,16 +86,19 @@ def measure(
     predict = row.make()
     minutes = (time.process_time() - start) / 60 if row.minutes is None else row.minutes
     store, samples = held_out.store, held_out.test
-    gatherer = _Gatherer(row.name, store)
+    near = lru_cache(maxsize=1)(
+        lambda path: points_near(store.mesh, store.load_path(path).nodes)
+    )
+    gatherer = ErrorGatherer(row.name, store.mesh, store.load_factors)
     order = np.lexsort((samples[:, 1], samples[:, 0]))  # one read a path
     for done, (path, level) in enumerate(samples[order].tolist()):
         prediction = predict(
-            store.load_case(path, level),
+            row.case(store, path, level),
             tolerance_mm=row.tolerance_mm,
             estimate=Estimate.QUICK,
         )
         truth = store.displacement(path)[level].astype(np.float64)
-        gatherer.add(path, level, truth, prediction)
+        gatherer.add((path, level), truth, prediction, near(path))
         if progress is not None:
             progress(done + 1, len(samples), "evaluating")
     return replace(
@@ -111,26 +114,50 @@ def _part(progress: Progress, index: int, n_parts: int, name: str) -> Progress:
     return lambda done, total, _: progress(index * total + done, n_parts * total, name)
 
 
-class _Gatherer:
-    """Collects the errors of one predictor."""
+class ErrorGatherer:
+    """Collects the errors of one predictor.
 
-    def __init__(self, name: str, store: Store) -> None:
+    Parameters
+    ----------
+    name : str
+        Of the predictor.
+    mesh : TetMesh
+        On whose points displacements are compared.
+    load_factors : (n_levels,) array
+        Of every level that a sample may have.
+    """
+
+    def __init__(self, name: str, mesh: TetMesh, load_factors: FloatArray) -> None:
         self._name = name
-        self._store = store
-        self._pooled = PooledErrors(store.n_levels)
+        self._load_factors = load_factors
+        self._pooled = PooledErrors(len(load_factors))
         self._samples: list[SampleError] = []
-        tumour = points_of_region(store.mesh, TUMOUR)
+        tumour = points_of_region(mesh, TUMOUR)
         self._tumour = tumour if tumour.any() else None
-        self._near = lru_cache(maxsize=1)(self._near_path)
-
-    def _near_path(self, path: int) -> BoolArray:
-        return points_near(self._store.mesh, self._store.load_path(path).nodes)
 
     def add(
-        self, path: int, level: int, truth: FloatArray, prediction: Prediction
+        self,
+        sample: tuple[int, int],
+        truth: FloatArray,
+        prediction: Prediction,
+        near: BoolArray,
     ) -> None:
+        """Take one prediction in.
+
+        Parameters
+        ----------
+        sample : (path, level)
+            Which it is.
+        truth : (n_points, 3) array
+            mm.
+        prediction : Prediction
+            Of the same.
+        near : (n_points,) boolean array
+            The loaded region.
+        """
+        path, level = sample
         errors = nodal_errors(truth, prediction.displacement)
-        regions = {"loaded_region": self._near(path)}
+        regions = {"loaded_region": near}
         if self._tumour is not None:
             regions["tumour"] = self._tumour
         self._pooled.add(errors, level, regions)
@@ -141,7 +168,7 @@ class _Gatherer:
             SampleError(
                 path=path,
                 level=level,
-                load_factor=float(self._store.load_factors[level]),
+                load_factor=float(self._load_factors[level]),
                 mean=float(distance.mean()),
                 largest=float(distance.max()),
                 relative=float(np.linalg.norm(distance) / np.linalg.norm(size)),
@@ -157,6 +184,7 @@ class _Gatherer:
         )
 
     def result(self) -> ModelErrors:
+        """Return the errors of all that were taken in."""
         return ModelErrors(
             name=self._name,
             by_component=self._pooled.by_component(),

@@ -11,6 +11,7 @@ from physgnn.errors import InputError
 from physgnn.learning.runs.checkpoint import check_mesh, read_record
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.record import processor_minutes
+from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.prediction import Predict
 from physgnn.prediction.predictor import Predictor
 
@@ -35,6 +36,8 @@ class Row:
         Asked of every prediction.
     origin : str
         What else the predictor's displacements depend on.
+    case : callable
+        From a store, path and level to what the predictor is told: by default the load.
     """
 
     name: str
@@ -43,6 +46,7 @@ class Row:
     minutes: float | None = None
     tolerance_mm: float | None = None
     origin: str = ""
+    case: Callable[[Store, int, int], LoadCase] = Store.load_case
 
 
 def run_rows(

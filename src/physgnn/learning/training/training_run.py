@@ -200,7 +200,7 @@ def judged(
     every = max(len(split.validation) // JUDGED_ON, 1)
     losses, samples = [], split.validation[::every].tolist()
     for path, level in samples:
-        predicted = torch.tensor(model.predict(store.load_case(path, level)))
+        predicted = torch.tensor(model.predict(model.sample_case(store, path, level)))
         true = torch.tensor(store.displacement(path)[level])
         losses.append(float(LOSSES[loss](predicted.float()[None], true[None])))
         if progress is not None:

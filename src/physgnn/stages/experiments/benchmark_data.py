@@ -17,13 +17,16 @@ from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.numbers import real_numbers, whole_numbers
 from physgnn.progress import Progress
 from physgnn.stages.datasets.simulation import processes, simulate_mesh
+from physgnn.stages.experiments.benchmark_shifts import shift_data
 from physgnn.stages.patient.preoperative.surface_meshing import mesh_surfaces
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.benchmark.job import TaskData
+    from physgnn.evaluation.benchmark.shift_data import ShiftData
     from physgnn.evaluation.benchmark.tasks import Task
 
 SURFACE_POINTS, LARGEST_CELL_MM3 = 300, 1e4  # of the tiny mesh: some 800 points
+MESH_TASK = "mesh-never-seen"
 TRAINED, UNSEEN = "trained", "unseen.zarr"  # in the folder of mesh-never-seen
 # Tumours and sizes of the tiny bodies: radius, mm, and scale along x, y and z. The
 # last is the one never seen.
@@ -46,7 +49,7 @@ def task_data(
     given: Path | None,
     *,
     progress: Progress | None = None,
-) -> "TaskData":
+) -> "TaskData | ShiftData":
     """Return a task's data; those that are simulated here go into a folder.
 
     Parameters
@@ -71,8 +74,9 @@ def task_data(
     from physgnn.evaluation.benchmark.tasks import TASKS
 
     task = TASKS[name]
-    if task.not_run:
-        raise NotAtHandError(task.not_run)
+    if task.measured:
+        family = _family(name, size, folder, given, progress)
+        return shift_data(name, size, folder, tuple(family), progress=progress)
     if size == "tiny":
         stores = _tiny(name, task, folder, progress)
     else:
@@ -84,6 +88,22 @@ def task_data(
     else:
         split = named_split(task.split, tested)
     return TaskData(name, size, tested, split, tuple(others))
+
+
+def _family(
+    name: str, size: str, folder: Path, given: Path | None, progress: Progress | None
+) -> list[Store]:
+    """Return other bodies' datasets for a registration, if a network can use them."""
+    from physgnn.evaluation.benchmark.tasks import TASKS
+
+    task = TASKS[name]
+    if not task.preset:
+        return []
+    if size == "tiny":
+        # the first of these bodies is the one that is registered: left out
+        stores = _tiny(MESH_TASK, TASKS[MESH_TASK], folder, progress)
+        return stores[1:]
+    return _trained(_found(task, given), task.preset)
 
 
 def _found(task: "Task", given: Path | None) -> Path:
@@ -107,13 +127,20 @@ def _full(
         return [_simulated(read_tonutti(found), TONUTTI, folder / name, progress)]
     if task.split != MESH:
         return [_checked(found, task.preset)]
-    trained = sorted((found / TRAINED).glob("*.zarr"))
-    if len(trained) < 2 or not (found / UNSEEN).exists():
+    if not (found / UNSEEN).exists():
+        raise NotAtHandError(f"{found} must hold {UNSEEN}, and it does not")
+    trained = _trained(found, task.preset)
+    return [*trained, _checked(found / UNSEEN, task.preset)]
+
+
+def _trained(found: Path, preset: str) -> list[Store]:
+    """Return the datasets of the bodies that training has."""
+    paths = sorted((found / TRAINED).glob("*.zarr"))
+    if len(paths) < 2:
         raise NotAtHandError(
-            f"{found} must hold two datasets or more in {TRAINED}/ and another, "
-            f"{UNSEEN} (got {len(trained)} in {TRAINED}/)"
+            f"{found} must hold two datasets or more in {TRAINED}/ (got {len(paths)})"
         )
-    return [_checked(path, task.preset) for path in (*trained, found / UNSEEN)]
+    return [_checked(path, preset) for path in paths]
 
 
 def _checked(path: Path, preset: str) -> Store:

@@ -12,6 +12,7 @@ from physgnn.stages.outputs import Output, writes
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.benchmark.job import MethodOnTask, TaskData
     from physgnn.evaluation.benchmark.result import BenchmarkResult
+    from physgnn.evaluation.benchmark.shift_data import ShiftData
 
 DATA, RUNS = "data", "runs"  # beside the tasks' folders of results
 PAGE, CHART = "benchmark.md", "benchmark.svg"
@@ -73,8 +74,9 @@ def benchmark(
     task : str
         A row of `physgnn.evaluation.benchmark.tasks.TASKS`, or ``all``.
     method : str
-        A row of ``MODELS``, ``repaired``, names with commas, ``all``, or
-        ``module:Class`` of one's own. ``zero`` and ``linear`` are always among them.
+        A row of ``MODELS``, ``repaired``, ``rigid``, ``spline``, ``register``, names
+        with commas, ``all``, or ``module:Class`` of one's own. ``zero`` and ``linear``
+        are always among them.
     size : str
         ``tiny``: the bundled brain with few load paths; ``full``: the tasks' own data.
     data : path, optional
@@ -132,7 +134,11 @@ def benchmark(
 
 
 def _jobs(
-    data: "TaskData", methods: tuple[str, ...], minutes: float, seed: int, folder: Path
+    data: "TaskData | ShiftData",
+    methods: tuple[str, ...],
+    minutes: float,
+    seed: int,
+    folder: Path,
 ) -> "list[MethodOnTask]":
     from physgnn.evaluation.benchmark.job import MethodOnTask
     from physgnn.evaluation.benchmark.methods import Method

@@ -77,7 +77,7 @@ class Samples(Dataset[Batch]):
                 return
 
     def _made(self, path: int, level: int) -> Tensor:
-        inputs = self.model.encode(self.store.load_case(path, level))
+        inputs = self.model.encode(self.model.sample_case(self.store, path, level))
         true = torch.tensor(self.store.displacement(path)[level])
         return torch.cat([inputs, true], dim=1)
 

@@ -51,9 +51,9 @@ def adapt(
     Parameters
     ----------
     run : path or None
-        Folder of a lifted network trained with pod_modes = 0, best on several bodies;
-        None, or ``bundled-family`` where there is no such folder, takes the one that
-        comes with the package.
+        Folder of a lifted network trained with pod_modes = 0, or of a cnn, best on
+        several bodies; None, or ``bundled-family`` where there is no such folder, takes
+        the one that comes with the package.
     case : path
         The new patient's mesh, VTU.
     out : path
@@ -93,7 +93,8 @@ def adapt_run(
     Parameters
     ----------
     run : path
-        Folder of a lifted network trained with pod_modes = 0, best on several bodies.
+        Folder of a lifted network trained with pod_modes = 0, or of a cnn, best on
+        several bodies.
     mesh : TetMesh
         The new patient's.
     preset : str or Preset

@@ -8,6 +8,7 @@ resists a third as much as the registration thinks.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -48,19 +49,34 @@ THICK_MM = 5.0  # from the brain to it
 NOISE_MM, SHIFT_MM = (0.5, 1.0), (5.0, 12.0)
 TRUE_HELD_MM = 80.0
 BUCKLED = 1.5  # times the linear solution
+SURFACE_POINTS = 900
 LEVELS, MAX_STEPS, CONVERGED_MM = 8, 15, 1e-3
 TRUE_MATERIALS = {0: NeoHookean(2500.0, 0.45), 1: NeoHookean(9000.0, 0.47)}
 
 
 def held(mesh: TetMesh, phantom: Phantom, radius_mm: float) -> TetMesh:
-    """Hold the surface outside of a sphere about the craniotomy."""
+    """Return the mesh with the surface fixed outside of a sphere about the opening."""
     opening = Sphere(tuple(phantom.craniotomy_point), radius_mm)
     return mesh.with_point_sets(fixed=select(mesh, Complement(opening)))
 
 
 @dataclass(frozen=True)
 class Case:
-    """A true shift and what was measured of it."""
+    """A true shift and what was measured of it.
+
+    Attributes
+    ----------
+    pairs : PointPairs
+        Fifty places of the exposed surface.
+    surface : SurfacePoints
+        Two thousand others, after the shift alone.
+    displacement : (n_points, 3) array
+        The truth, mm.
+    landmarks : Landmarks
+        Fifteen points inside.
+    whole : WholeSurface
+        All of the surface after the shift.
+    """
 
     pairs: PointPairs
     surface: SurfacePoints
@@ -77,15 +93,26 @@ def _support(body: Body, skull: str) -> Support:
 
 
 class Truth:
-    """Simulates shifts of a body that the registration does not know."""
+    """Simulates shifts of a body that the registration does not know.
 
-    def __init__(self, n_points: int, skull: str) -> None:
-        self.phantom = mni152_phantom(n_points=900)
+    Parameters
+    ----------
+    n_points : int
+        About how many the mesh has.
+    skull : {"fixed", "sliding"}
+        How the skull holds it.
+    surface_points : int
+        About how many the brain's surface has.
+    """
+
+    def __init__(
+        self, n_points: int, skull: str, *, surface_points: int = SURFACE_POINTS
+    ) -> None:
+        self._skull = skull
+        self.phantom = mni152_phantom(n_points=surface_points)
         surfaces = self.phantom.brain, self.phantom.tumours
         mesh = tetrahedralize(*surfaces, target_points=n_points)
         self.mesh = held(mesh, self.phantom, TRUE_HELD_MM)
-        body = Body(self.mesh, TRUE_MATERIALS)
-        self.tangent = TangentResponse(body, _support(body, skull))
         surface = boundary_points(self.mesh)
         self.free = np.setdiff1d(surface, self.mesh.point_set("fixed"))
         offset = self.mesh.points[self.free] - self.phantom.craniotomy_point
@@ -96,8 +123,14 @@ class Truth:
         faces = boundary_faces(self.mesh)
         self.faces = faces[np.isin(faces, self.exposed).all(axis=1)]
 
+    @cached_property
+    def tangent(self) -> TangentResponse:
+        """How the body responds to forces; made when it is first wanted."""
+        body = Body(self.mesh, TRUE_MATERIALS)
+        return TangentResponse(body, _support(body, self._skull))
+
     def case(self, seed: int) -> Case:
-        """Simulate a shift and measure it."""
+        """Simulate a shift and measure it; the same seed gives the same one."""
         rng = np.random.default_rng(seed)
         wanted = rng.uniform(*SHIFT_MM)
         forces = self._forces(rng)
@@ -155,11 +188,13 @@ class Truth:
         rest = np.zeros_like(forces)
         found = self.tangent(rest, forces[None].astype(np.float32))
         assert found is not None
-        return found[0][0].astype(np.float64)
+        moved: FloatArray = found[0][0].astype(np.float64)
+        return moved
 
     def _equilibria(self, forces: FloatArray) -> list[FloatArray]:
         """Newton's method, level by level, as far as it goes."""
-        u, found = np.zeros_like(forces), []
+        u = np.zeros_like(forces)
+        found: list[FloatArray] = []
         for level in range(1, LEVELS + 1):
             load = (level / LEVELS * forces)[None].astype(np.float32)
             for _ in range(MAX_STEPS):
@@ -196,9 +231,10 @@ class Truth:
         parts = [weight, retractor, pull]
         largest = [np.linalg.norm(self._linear(f), axis=1).max() for f in parts]
         amounts = rng.uniform([0.3, 0.0, 0.0], [1.0, 0.5, 0.2])
-        return sum(
-            a / size * f for a, size, f in zip(amounts, largest, parts, strict=True)
-        )
+        total: FloatArray = np.zeros_like(weight)
+        for amount, size, force in zip(amounts, largest, parts, strict=True):
+            total += amount / size * force
+        return total
 
 
 def _near(
@@ -206,4 +242,5 @@ def _near(
 ) -> FloatArray:
     axis = np.cross(direction, rng.normal(size=3))
     turn = np.deg2rad(rng.uniform(0, degrees)) * axis / np.linalg.norm(axis)
-    return Rotation.from_rotvec(turn).apply(direction)
+    turned: FloatArray = Rotation.from_rotvec(turn).apply(direction)
+    return turned

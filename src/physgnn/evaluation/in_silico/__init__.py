@@ -1,0 +1,1 @@
+"""Registrations in silico: shifts simulated and measured, and what finds them."""
