@@ -4,12 +4,12 @@
     OMP_NUM_THREADS=1 python benchmarks/registration_bounds.py --skull sliding
 
 The truth is of `physgnn.evaluation.in_silico.shifts`: a finer mesh, other tissue, other
-loads. Each shift is measured five ways (`KINDS`): 40 pairs on the surface, 2000 points of it, 15
-landmarks inside, the whole surface, and the first three together; and each of these as
-it is or badly (`CONDITIONS`): a tenth of the points 15 mm off in a random direction,
-two swapped, all of them 3 mm and 1.5° off as a whole, which is corrected; so too "bone"
-and "bone and outliers", where 6 points of the bone tell the offset. Noise is 0.5
-to 1 mm a coordinate, of which the registration is told the middle. A surface has no
+loads. Each shift is measured five ways (`KINDS`): 40 pairs on the surface, 2000 points
+of it, 15 landmarks inside, the whole surface, and the first three together; and each of
+these as it is or badly (`CONDITIONS`): a tenth of the points 15 mm off in a random
+direction, two swapped, all of them 3 mm and 1.5° off as a whole, which is corrected; so
+too "bone" and "bone and outliers", where 6 points of the bone tell the offset. Noise is
+0.5 to 1 mm a coordinate, of which the registration is told the middle. A surface has no
 points to swap.
 
 A registration is *wrong* if its largest error is above its bound and above 3 mm, what

@@ -3,10 +3,10 @@
     OMP_NUM_THREADS=1 python benchmarks/registration_statuses.py --cases 12
 
 The shifts are those of `physgnn.evaluation.in_silico.shifts`. Each is measured well,
-and then badly in every way of `BAD`: too few points, one point many times, points in a line or a cluster,
-pairs swapped or gone astray, a tracker that moved, a surface far away or in other
-units, a noise stated far too small. What a tracker may have moved is measured once more
-with 6 points of the bone around the craniotomy, of 0.5 mm of noise.
+and then badly in every way of `BAD`: too few points, one point many times, points in a
+line or a cluster, pairs swapped or gone astray, a tracker that moved, a surface far
+away or in other units, a noise stated far too small. What a tracker may have moved is
+measured once more with 6 points of the bone around the craniotomy, of 0.5 mm of noise.
 
 A registration is *wrong* if its largest error is above its bound. Counted are the
 registrations that are wrong and called usable, and those that are right and flagged;
