@@ -98,7 +98,7 @@ class Surrogate(ABC):
 
     # What a method may know better than the default does.
 
-    def sample_case(self, store: Store, path: int, level: int) -> LoadCase:
+    def sample_case(self, store: "Store", path: int, level: int) -> LoadCase:
         """Return what it is told of a sample of a dataset: by default the load alone.
 
         A method that takes a measured displacement is told more
