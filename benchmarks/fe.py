@@ -158,6 +158,9 @@ def main() -> None:
     print(machine())
     load_kernels()
     for file in sorted(options.cases.glob("*.npz")):
+        if "load_nodes" not in np.load(file):
+            print(f"\n{file.name}: left out, it holds no load path of 30 levels")
+            continue
         case = read_case(file, options.levels)
         print(f"\n## {file.stem}: {case.mesh.n_points} points\n")
         if not options.bulk_only:
