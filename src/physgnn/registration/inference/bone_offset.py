@@ -18,7 +18,6 @@ from itertools import combinations, islice
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from scipy.stats import multivariate_normal
 
 from physgnn.arrays import FloatArray
 from physgnn.geometry.measured import BonePoints
@@ -196,7 +195,8 @@ class BoneOffset:
         for one in HYPOTHESES:
             variances = one.variances if len(one.variances) else np.zeros(6)
             spread = C + np.diag(variances)
-            found.append(multivariate_normal(np.zeros(6), spread).logpdf(offset))
+            _, log_det = np.linalg.slogdet(2 * np.pi * spread)
+            found.append(-(log_det + offset @ np.linalg.solve(spread, offset)) / 2)
         return np.array(found)
 
 
