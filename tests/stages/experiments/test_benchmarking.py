@@ -167,7 +167,7 @@ def test_all_methods_in_five_minutes(folder: Path, tmp_path: Path) -> None:
     drawn = pg.benchmark(tmp_path / "page", report=folder)
     assert drawn.page is not None
     text = drawn.page.read_text("utf-8")
-    assert "## Where the networks lose" in text
+    assert "## Where networks and registration lose" in text
     assert f"## {TASK}, version 1, tiny" in text
     assert (tmp_path / "page" / "benchmark.svg").is_file()
 

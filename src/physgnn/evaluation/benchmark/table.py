@@ -1,4 +1,4 @@
-"""Results as a page of Markdown: where networks lose first, then a table a task."""
+"""Results as a page of Markdown: who loses first, then a table a task."""
 
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
@@ -18,6 +18,7 @@ from physgnn.evaluation.report.style import label
 WIDTH = 110
 WITHOUT_TRAINING = ("linear", "reduced", "register")  # what a network has to beat
 FITTED_NETWORKS = ("mlp", "pod-network")  # beside those that have epochs
+REGISTERED = "register"
 HEAD = (
     "method", "mean", "median", "95 %", "99 %", "largest", "≤ 1 mm", "loaded region",
     "tumour", "training", "a prediction", "memory",
@@ -49,7 +50,7 @@ def page(results: Sequence[BenchmarkResult], chart: str, command: str) -> str:
             "command from the files of the results, and nothing on it is typed by hand."
         ),
         _commands(groups, command),
-        "## Where the networks lose",
+        "## Where networks and registration lose",
         "\n".join(_losses(groups)) or "Nowhere in these results.",
         f"![Error over the time of a prediction and over training]({chart})",
         *(_section(*key, rows) for key, rows in groups.items()),
@@ -100,20 +101,21 @@ def _commands(groups: Iterable[tuple[str, str]], command: str) -> str:
 
 
 def _losses(groups: dict[tuple[str, str], list[BenchmarkResult]]) -> Iterator[str]:
-    """Yield a line for each task and method without training that networks lose to."""
+    """Yield a line for each task and method that networks or registration lose to."""
     for (task, size), rows in groups.items():
         found = ranked(rows)
         mean = {row.identity.method: errors.mean for row, errors in found}
-        trained = {
+        should_win = {
             r.identity.method: e.mean
             for r, e in found
-            if r.curve or r.identity.method in FITTED_NETWORKS
+            if r.curve or r.identity.method in (*FITTED_NETWORKS, REGISTERED)
         }
-        trained.pop(REPAIRED, None)  # a solver has the last word there
+        should_win.pop(REPAIRED, None)  # a solver has the last word there
         for name in WITHOUT_TRAINING:
-            behind = [k for k, v in trained.items() if name in mean and v >= mean[name]]
+            others = {k: v for k, v in should_win.items() if k != name}
+            behind = [k for k, v in others.items() if name in mean and v >= mean[name]]
             if behind:
-                names = ", ".join(f"{label(k)} ({mm(trained[k])})" for k in behind)
+                names = ", ".join(f"{label(k)} ({mm(should_win[k])})" for k in behind)
                 yield _prose(
                     f"- **{task}, {size}**: behind the "
                     f"{label(name).lower()} ({mm(mean[name])} mm): {names}.",
