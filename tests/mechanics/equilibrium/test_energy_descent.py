@@ -9,7 +9,8 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import make_pattern
 from physgnn.mechanics.equilibrium.energy_descent import descend
 from physgnn.mechanics.equilibrium.quasi_newton import QuasiNewton
-from physgnn.mechanics.linear.direct_solver import LinearSolver, make_linear_solver
+from physgnn.mechanics.linear.direct_solver import make_linear_solver
+from physgnn.mechanics.linear.protocols import LinearSolver
 from physgnn.mechanics.loads.external_force import Loading
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}

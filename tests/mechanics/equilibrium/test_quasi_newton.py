@@ -6,7 +6,8 @@ import pytest
 from physgnn.mechanics import LoadPath, NeoHookean, Solver, SolverOptions, Status
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.full_newton import Newton
-from physgnn.mechanics.equilibrium.quasi_newton import OVERSHOT, dot
+from physgnn.mechanics.equilibrium.norms import dot
+from physgnn.mechanics.equilibrium.quasi_newton import OVERSHOT
 from physgnn.mechanics.loads.external_force import Loading
 
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}

@@ -9,6 +9,7 @@ from physgnn.mechanics import LoadCase, LoadPath, NeoHookean, Status, solve
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent, make_pattern
 from physgnn.mechanics.elements.tet4 import make_elements
+from physgnn.mechanics.equilibrium import quasi_newton
 from physgnn.mechanics.equilibrium.full_newton import Newton
 from physgnn.mechanics.equilibrium.reference_states import ReferenceState
 from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
@@ -95,6 +96,30 @@ def test_a_good_guess_costs_one_factorisation_and_one_to_prove_it(warm_start, so
     assert found.counts["factorisations"] == 2
     again = warm_start.solve(case, found.displacement, tolerance_mm=TOLERANCE_MM)
     assert again.counts["factorisations"] == 1, "it proves itself"
+
+
+def test_a_large_body_is_factorised_only_to_prove_it(block, solved, monkeypatch):
+    """The way there begins with the reference state's factor, renewed in part."""
+    monkeypatch.setattr(quasi_newton, "LEAST_UNKNOWNS", 0)
+    case, states = solved
+    body = Body(block, MATERIALS)
+    near = ReferenceState.of(body, states[-2])
+    fresh = WarmStartSolver(body, nearest=lambda _: near)
+    guess = states[-2] + 0.9 * (states[-1] - states[-2])
+    found = fresh.solve(case, guess, tolerance_mm=TOLERANCE_MM)
+    assert found.status == Status.CONVERGED
+    assert found.origin == "guess"
+    assert found.counts["factorisations"] == 1
+    assert found.counts["partial_renewals"] == 1
+    error = np.linalg.norm(found.displacement - states[-1], axis=1).max()
+    assert error < TOLERANCE_MM
+
+
+@pytest.mark.parametrize("name", guesses(np.zeros((2, 1, 3))))
+def test_nor_does_it_in_that_of_a_large_body(block, solved, name, monkeypatch):
+    monkeypatch.setattr(quasi_newton, "LEAST_UNKNOWNS", 0)
+    fresh = WarmStartSolver(Body(block, MATERIALS))
+    test_the_guess_does_not_show_in_the_solution(fresh, solved, name)
 
 
 def test_a_load_without_equilibrium_has_no_good_status(block, warm_start, solved):

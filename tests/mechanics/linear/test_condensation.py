@@ -8,7 +8,8 @@ from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent
 from physgnn.mechanics.linear.condensation import Condensation
-from physgnn.mechanics.linear.direct_solver import LinearSolver, make_linear_solver
+from physgnn.mechanics.linear.direct_solver import make_linear_solver
+from physgnn.mechanics.linear.protocols import LinearSolver
 
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
 SINGLE = 2e-5  # relative; factors are in single precision

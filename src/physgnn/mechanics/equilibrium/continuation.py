@@ -7,12 +7,9 @@ import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.equilibrium.energy_descent import descend
+from physgnn.mechanics.equilibrium.norms import largest_norm
 from physgnn.mechanics.equilibrium.predictor_step import PathHistory
-from physgnn.mechanics.equilibrium.quasi_newton import (
-    Equilibrium,
-    QuasiNewton,
-    largest_norm,
-)
+from physgnn.mechanics.equilibrium.quasi_newton import Equilibrium, QuasiNewton
 from physgnn.mechanics.equilibrium.solution import Status
 
 # Descent steps of a snap-through; those of the published sets took up to 70.

@@ -9,13 +9,8 @@ is found this way is a minimum, a stable equilibrium, however poor the guess.
 import numpy as np
 
 from physgnn.arrays import FloatArray
-from physgnn.mechanics.equilibrium.quasi_newton import (
-    Equilibrium,
-    QuasiNewton,
-    dot,
-    largest_norm,
-    norm,
-)
+from physgnn.mechanics.equilibrium.norms import dot, largest_norm, norm
+from physgnn.mechanics.equilibrium.quasi_newton import Equilibrium, QuasiNewton
 from physgnn.mechanics.equilibrium.solution import Status
 
 MAX_STEPS = 40
@@ -32,6 +27,7 @@ def descend(
     load_factor: float = 1.0,
     max_steps: int = MAX_STEPS,
     proven: bool = True,
+    factorised: bool = False,
 ) -> Equilibrium:
     """Descend from a start to equilibrium under a load.
 
@@ -49,6 +45,8 @@ def descend(
     proven : bool
         Whether K(u) must be seen to be positive definite at the end. Energy has no
         other minima, but rounding and a tolerance can hide a saddle.
+    factorised : bool
+        Whether the iteration has a positive definite factor to begin with.
 
     Returns
     -------
@@ -57,7 +55,7 @@ def descend(
         must be, the equilibrium was seen to be stable.
     """
     descent = _Descent(iteration, start, fallback, load_factor, proven)
-    status = descent.renew()
+    status = None if factorised else descent.renew()
     for _ in range(max_steps):
         if status is not None:
             return Equilibrium(descent.state, status, norm(descent.r))
@@ -82,6 +80,7 @@ class _Descent:
         self._must_be_proven = must_be_proven
         self._iteration, self._fallback = iteration, fallback
         self._load_factor = load_factor
+        self._size, self._since_factor, self._proven = np.inf, 0, False
 
     def renew(self, *, prove: bool = False) -> Status | None:
         """Factorise K(u), or unless it must prove u stable, that of the fallback."""

@@ -14,7 +14,7 @@ from physgnn.mechanics.elements.subset import some_cells
 from physgnn.mechanics.elements.tangent import Pattern, assemble_tangent
 from physgnn.mechanics.elements.tet4 import Elements
 from physgnn.mechanics.linear.condensation import Condensation
-from physgnn.mechanics.linear.direct_solver import LinearSolver
+from physgnn.mechanics.linear.protocols import Factor
 
 PART = 0.1  # of the free points; 0.05 and 0.2 took as long or longer on 10,000
 # Smaller bodies are factorised whole in the time of a few back-solves.
@@ -29,7 +29,7 @@ class PartialRenewal:
     elements : Elements
     pattern : Pattern
         Of the tangent.
-    whole : LinearSolver
+    whole : Factor
         Holds the factor of the tangent at an earlier state.
     change : (n_points, 3) array
         Displacement since that state, mm: where it strains most is the part.
@@ -41,7 +41,7 @@ class PartialRenewal:
         self,
         elements: Elements,
         pattern: Pattern,
-        whole: LinearSolver,
+        whole: Factor,
         change: FloatArray,
         *,
         threads: int,

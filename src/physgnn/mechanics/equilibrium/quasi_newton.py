@@ -17,12 +17,13 @@ from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import Pattern, assemble_tangent
 from physgnn.mechanics.elements.tet4 import Elements, internal_force
+from physgnn.mechanics.equilibrium.norms import dot, largest_norm, norm
 from physgnn.mechanics.equilibrium.partial_renewal import (
     LEAST_UNKNOWNS,
     PartialRenewal,
 )
 from physgnn.mechanics.equilibrium.solution import Status
-from physgnn.mechanics.linear.direct_solver import LinearSolver
+from physgnn.mechanics.linear.protocols import Factor, LinearSolver
 from physgnn.mechanics.loads.external_force import Loading
 
 MAX_PAIRS = 12
@@ -139,15 +140,42 @@ class QuasiNewton:
         self.pattern.add_to_diagonal(data, self.loading.stiffness)
         return self.solver.factorize(data)
 
-    def _renew_part(self, state: FloatArray, load_factor: float) -> bool:
+    def begin_with(
+        self, factor: Factor, factor_at: FloatArray, state: FloatArray
+    ) -> bool:
+        """Begin with a factor of another state, renewed in part, if that pays.
+
+        Parameters
+        ----------
+        factor : Factor
+            Of the tangent at another state.
+        factor_at : (n_points, 3) array
+            That state's displacement, mm.
+        state : (n_unknowns,) array
+            Where the iteration begins, at load factor 1.
+
+        Returns
+        -------
+        bool
+            False if the body is small, or the part's tangent not positive definite.
+        """
+        if len(state) < LEAST_UNKNOWNS:
+            return False
+        self._part, self._factor_at = None, factor_at
+        return self._renew_part(state, 1.0, factor)
+
+    def _renew_part(
+        self, state: FloatArray, load_factor: float, whole: Factor | None = None
+    ) -> bool:
         """Bring the factor up to date where the body has deformed most since."""
         u = self.displacement(state, load_factor)
         self.counts["partial_renewals"] += 1
         self._pairs.clear()
         if self._part is None:
             change = u - self._factor_at
+            whole = self.solver if whole is None else whole
             self._part = PartialRenewal(
-                self.elements, self.pattern, self.solver, change, threads=self.threads
+                self.elements, self.pattern, whole, change, threads=self.threads
             )
         elements = self.loading.elements(self.elements, load_factor)
         return self._part.renew(elements, u, self.loading.stiffness)
@@ -265,19 +293,3 @@ def _worn_out(
     """Whether a new factor, of a part or of all, is cheaper than going on."""
     patience, least = (PATIENCE_WITH_PART, 2) if partial else (PATIENCE, 3)
     return since_factor >= patience or (since_factor >= least and size > previous)
-
-
-def largest_norm(d: FloatArray) -> float:
-    """Largest Euclidean norm over points, mm."""
-    return float(np.sqrt((d.reshape(-1, 3) ** 2).sum(axis=1).max()))
-
-
-def norm(r: FloatArray) -> float:
-    """Euclidean norm, the same for any number of threads."""
-    return float(np.sqrt(dot(r, r)))
-
-
-def dot(a: FloatArray, b: FloatArray) -> float:
-    """Scalar product, the same for any number of threads."""
-    # Not a @ b: BLAS would start threads for it, and its sums depend on their number.
-    return float(np.einsum("i,i->", a, b))

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.linear.direct_solver import LinearSolver, factorized
+from physgnn.mechanics.linear.direct_solver import factorized
+from physgnn.mechanics.linear.protocols import LinearSolver
 
 
 @dataclass(frozen=True, eq=False)

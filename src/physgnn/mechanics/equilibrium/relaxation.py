@@ -15,7 +15,8 @@ from physgnn.mechanics.elements.inverted import extrapolated_force
 from physgnn.mechanics.elements.tangent import Pattern
 from physgnn.mechanics.elements.tet4 import Elements
 from physgnn.mechanics.equilibrium.energy_descent import follow
-from physgnn.mechanics.equilibrium.quasi_newton import QuasiNewton, largest_norm
+from physgnn.mechanics.equilibrium.norms import largest_norm
+from physgnn.mechanics.equilibrium.quasi_newton import QuasiNewton
 from physgnn.mechanics.equilibrium.reference_states import ReferenceState
 
 MAX_STEPS = 8

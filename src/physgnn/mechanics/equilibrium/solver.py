@@ -15,7 +15,8 @@ from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.continuation import PathFollower
 from physgnn.mechanics.equilibrium.quasi_newton import QuasiNewton
 from physgnn.mechanics.equilibrium.solution import Solution, Status
-from physgnn.mechanics.linear.direct_solver import LinearSolver, make_linear_solver
+from physgnn.mechanics.linear.direct_solver import make_linear_solver
+from physgnn.mechanics.linear.protocols import LinearSolver
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials.table import Material

@@ -15,11 +15,8 @@ from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.continuation import PathFollower
 from physgnn.mechanics.equilibrium.energy_descent import descend
-from physgnn.mechanics.equilibrium.quasi_newton import (
-    Equilibrium,
-    QuasiNewton,
-    largest_norm,
-)
+from physgnn.mechanics.equilibrium.norms import largest_norm
+from physgnn.mechanics.equilibrium.quasi_newton import Equilibrium, QuasiNewton
 from physgnn.mechanics.equilibrium.reference_states import (
     NearestReference,
     ReferenceState,
@@ -144,17 +141,9 @@ class WarmStartSolver:
             If a loaded node is missing from the mesh or fixed.
         """
         iteration = self._iteration(case, tolerance_mm)
-        reference = self._nearest(
-            load_fraction * case.on_points(self._body.mesh.n_points)
-        ).displacement
         origin, found = "guess", None
         if guess is not None and np.isfinite(guess).all():
-            safe, start = (
-                self._pattern.unknowns(reference),
-                self._pattern.unknowns(guess),
-            )
-            start = _without_inverted_cells(iteration, safe, start)
-            found = _next_to(iteration, start, safe, load_fraction)
+            found = self._next_to(iteration, case, guess, load_fraction)
             if found is not None and load_fraction < 1.0:
                 origin = "path"
                 found = _follow(iteration, found.state, load_fraction, MIN_STEP)
@@ -166,6 +155,38 @@ class WarmStartSolver:
             origin,
             iteration.counts,
         )
+
+    def _next_to(
+        self,
+        iteration: QuasiNewton,
+        case: LoadCase,
+        guess: FloatArray,
+        load_fraction: float,
+    ) -> Equilibrium | None:
+        """Return the equilibrium under a fraction of the load next to a guess.
+
+        The last on the way to the whole load is proven to be stable, which takes a
+        factor of the tangent there. So the way to it begins with that of the nearest
+        reference state.
+        """
+        near = self._nearest(load_fraction * case.on_points(len(guess)))
+        safe = self._pattern.unknowns(near.displacement)
+        start = self._pattern.unknowns(guess)
+        start = _without_inverted_cells(iteration, safe, start)
+        whole = load_fraction == 1.0
+        found = descend(
+            iteration,
+            start,
+            fallback=safe,
+            load_factor=load_fraction,
+            proven=whole,
+            factorised=whole
+            and iteration.begin_with(
+                ReferenceFactor(self._pattern, near), near.displacement, start
+            ),
+        )
+        far = largest_norm(found.state - start) > FAR * largest_norm(found.state)
+        return None if far or found.status != Status.CONVERGED else found
 
     def _iteration(self, case: LoadCase, tolerance_mm: float) -> QuasiNewton:
         path = LoadPath(case.nodes, case.forces, np.ones(1))
@@ -191,24 +212,6 @@ def _without_inverted_cells(
             return start
         part /= 2
     return reference
-
-
-def _next_to(
-    iteration: QuasiNewton,
-    start: FloatArray,
-    reference: FloatArray,
-    load_fraction: float,
-) -> Equilibrium | None:
-    """Return the equilibrium under a fraction of the load next to a start.
-
-    The last on the way to the whole load is proven to be stable.
-    """
-    whole = load_fraction == 1.0
-    found = descend(
-        iteration, start, fallback=reference, load_factor=load_fraction, proven=whole
-    )
-    far = largest_norm(found.state - start) > FAR * largest_norm(found.state)
-    return None if far or found.status != Status.CONVERGED else found
 
 
 def _follow_from_rest(iteration: QuasiNewton) -> Equilibrium:

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import BoolArray, FloatArray, IntArray
 from physgnn.mechanics.elements.tangent import Pattern
-from physgnn.mechanics.linear.direct_solver import LinearSolver, make_linear_solver
+from physgnn.mechanics.linear.direct_solver import make_linear_solver
+from physgnn.mechanics.linear.protocols import Factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +40,7 @@ class Condensation:
         Of the whole tangent.
     points : integer array
         The part: some of the pattern's free points, at least one.
-    whole : LinearSolver
+    whole : Factor
         Holds the factor of an earlier tangent of that pattern.
     threads : int
         For factorisations and back-solves of the part.
@@ -49,7 +50,7 @@ class Condensation:
         self,
         pattern: Pattern,
         points: IntArray,
-        whole: LinearSolver,
+        whole: Factor,
         *,
         threads: int = 1,
     ) -> None:

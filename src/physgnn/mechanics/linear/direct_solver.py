@@ -9,7 +9,7 @@ are computed in double.
 import ctypes
 import weakref
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent
 from physgnn.mechanics.linear.mkl import mkl_library
+from physgnn.mechanics.linear.protocols import DirectSolver, UpperTriangle
 
 FactorPrecision = Literal["single", "double"]
 
@@ -27,40 +28,6 @@ _NOT_POSITIVE = -4
 _FACTORISATION, _CLASSIC, _TWO_LEVEL = 23, 0, 1  # index in iparm, and its values
 _KILOBYTES = [15, 16]  # index in iparm: permanent memory of both phases
 FACTOR_FILE = "handle.pds"  # as pardiso_handle_store names it
-
-
-class UpperTriangle(Protocol):
-    """The pattern of the upper triangle of a symmetric matrix, diagonal included."""
-
-    @property
-    def indptr(self) -> NDArray[np.int32]:
-        """Where rows begin among the entries."""
-
-    @property
-    def indices(self) -> NDArray[np.int32]:
-        """Columns of the entries."""
-
-    @property
-    def n_unknowns(self) -> int:
-        """Number of rows."""
-
-
-class LinearSolver(Protocol):
-    """Factorise often, solve more often, analyse once."""
-
-    def factorize(self, data: FloatArray) -> bool:
-        """Factorise K from the pattern's values; False if not positive definite."""
-
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
-
-
-class DirectSolver(LinearSolver, Protocol):
-    """A linear solver that knows what its factor weighs."""
-
-    @property
-    def n_bytes(self) -> int:
-        """What the factor takes in memory."""
 
 
 def make_linear_solver(

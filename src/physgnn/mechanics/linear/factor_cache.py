@@ -19,11 +19,8 @@ import numpy as np
 from physgnn import scratch
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.elements.tangent import Pattern
-from physgnn.mechanics.linear.direct_solver import (
-    FACTOR_FILE,
-    LinearSolver,
-    PardisoSolver,
-)
+from physgnn.mechanics.linear.direct_solver import FACTOR_FILE, PardisoSolver
+from physgnn.mechanics.linear.protocols import LinearSolver
 
 FACTORS = ".factors"  # suffix of a folder of factors, beside mesh or store
 MAX_BYTES = 8 * 2**30

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from physgnn.arrays import FloatArray
-from physgnn.mechanics.equilibrium.quasi_newton import largest_norm
+from physgnn.mechanics.equilibrium.norms import largest_norm
 from physgnn.mechanics.equilibrium.solution import Status
 from physgnn.mechanics.meshless.options import MeshlessOptions
 

@@ -26,7 +26,7 @@ from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent
 from physgnn.mechanics.elements.tet4 import internal_force
-from physgnn.mechanics.linear.direct_solver import LinearSolver
+from physgnn.mechanics.linear.protocols import LinearSolver
 from physgnn.mechanics.reduced.energy_minimiser import minimise
 from physgnn.mechanics.reduced.submodels.submesh import CondensedCells, cut_out
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.elements.tangent import Pattern
-from physgnn.mechanics.linear.direct_solver import DirectSolver
+from physgnn.mechanics.linear.protocols import DirectSolver
 
 MAX_BYTES = 96 * 2**20  # of columns; about what the factor takes for 9000 points
 AT_ONCE = 48  # right-hand sides of a back-solve

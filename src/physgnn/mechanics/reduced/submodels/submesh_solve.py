@@ -15,7 +15,8 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.subset import some_cells
 from physgnn.mechanics.elements.tangent import Pattern, assemble_tangent, make_pattern
 from physgnn.mechanics.elements.tet4 import Elements, internal_force, strain_energy
-from physgnn.mechanics.linear.direct_solver import LinearSolver, make_linear_solver
+from physgnn.mechanics.linear.direct_solver import make_linear_solver
+from physgnn.mechanics.linear.protocols import LinearSolver
 from physgnn.mechanics.reduced.energy_minimiser import minimise
 from physgnn.mechanics.reduced.submodels.submesh import cut_out
 
