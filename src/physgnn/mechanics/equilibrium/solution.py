@@ -1,5 +1,6 @@
 """What a solve gives back: displacement, and an honest status for every level."""
 
+import time
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -7,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray
+from physgnn.mechanics.loads.paths import LoadPath
 
 
 class Status(IntEnum):
@@ -81,3 +83,45 @@ class Solution:
     def converged(self) -> bool:
         """Whether every level is in equilibrium."""
         return bool((self.status == Status.CONVERGED).all())
+
+
+class LevelRecord:
+    """The levels of a path as they are solved, one after another.
+
+    Parameters
+    ----------
+    path : LoadPath
+    n_points : int
+        Of the mesh.
+    """
+
+    def __init__(self, path: LoadPath, n_points: int) -> None:
+        self._started = time.perf_counter()
+        self._load_factors = path.load_factors
+        self._displacement = np.zeros((path.n_levels, n_points, 3))
+        self._status = np.full(path.n_levels, Status.NOT_REACHED, dtype=np.int8)
+        self._residual = np.full(path.n_levels, np.nan)
+
+    def keep(self, level: int, displacement: FloatArray, residual: float) -> None:
+        """Note that a level converged: its displacement, mm, and relative residual."""
+        self._status[level] = Status.CONVERGED
+        self._displacement[level], self._residual[level] = displacement, residual
+
+    def stop(self, level: int, status: Status) -> None:
+        """Note why the path ends before a level."""
+        self._status[level] = status
+
+    def solution(
+        self, *, reached: float, message: str, counts: dict[str, int]
+    ) -> Solution:
+        """Return all of them."""
+        return Solution(
+            displacement=self._displacement,
+            status=self._status,
+            residual=self._residual,
+            load_factors=self._load_factors,
+            reached=reached,
+            message=message,
+            seconds=time.perf_counter() - self._started,
+            counts=counts,
+        )

@@ -1,6 +1,5 @@
 """Equilibrium along a load path: levels asked for, steps between them as needed."""
 
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -14,7 +13,7 @@ from physgnn.mechanics.elements.tangent import Pattern
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.continuation import PathFollower
 from physgnn.mechanics.equilibrium.quasi_newton import QuasiNewton
-from physgnn.mechanics.equilibrium.solution import Solution, Status
+from physgnn.mechanics.equilibrium.solution import LevelRecord, Solution, Status
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
 from physgnn.mechanics.linear.protocols import LinearSolver
 from physgnn.mechanics.loads.external_force import Loading
@@ -123,31 +122,22 @@ class Solver:
 
 def _follow(iteration: QuasiNewton, path: LoadPath, min_step: float) -> Solution:
     """Walk from rest along all levels of a path."""
-    started = time.perf_counter()
-    displacement = np.zeros((path.n_levels, iteration.elements.n_points, 3))
-    status = np.full(path.n_levels, Status.NOT_REACHED, dtype=np.int8)
-    residual = np.full(path.n_levels, np.nan)
-    remarks = []
+    record, remarks = LevelRecord(path, iteration.elements.n_points), []
     slope = _slope_at_rest(iteration)
     walk = PathFollower(iteration, lambda factor: factor * slope, min_step=min_step)
     for level, target in enumerate(path.load_factors.tolist()):
         found, remark = walk.advance_or_snap_through(target)
         if remark:
             remarks.append(remark)
-        status[level] = found.status
         if found.status != Status.CONVERGED:
+            record.stop(level, found.status)
             break
-        displacement[level] = iteration.displacement(found.state, target)
         norm = iteration.load_norm(found.state, target)
-        residual[level] = found.residual_norm / max(norm, np.finfo(float).tiny)
-    return Solution(
-        displacement=displacement,
-        status=status,
-        residual=residual,
-        load_factors=path.load_factors,
+        relative = found.residual_norm / max(norm, np.finfo(float).tiny)
+        record.keep(level, iteration.displacement(found.state, target), relative)
+    return record.solution(
         reached=walk.reached,
         message="; ".join(remarks),
-        seconds=time.perf_counter() - started,
         counts=dict(iteration.counts),
     )
 

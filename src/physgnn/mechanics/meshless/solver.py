@@ -7,14 +7,12 @@ Source: Joldes et al. 2019, "Suite of meshless algorithms for accurate computati
 soft tissue deformation for surgical simulation", Medical Image Analysis 56, 152–171.
 """
 
-import time
-
 import numpy as np
 
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import make_elements
 from physgnn.mechanics.equilibrium.predictor_step import PathHistory
-from physgnn.mechanics.equilibrium.solution import Solution, Status
+from physgnn.mechanics.equilibrium.solution import LevelRecord, Solution, Status
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.meshless.approximation import make_approximation
 from physgnn.mechanics.meshless.dynamic_relaxation import SettledState
@@ -66,7 +64,7 @@ class MeshlessSolver:
             If a loaded node is missing from the mesh or fixed, or fixed points and
             prescribed displacements together leave a part of the body free to move.
         """
-        started = time.perf_counter()
+        record = LevelRecord(path, self._body.mesh.n_points)
         loaded = LoadedBody(
             self._body,
             path,
@@ -75,26 +73,18 @@ class MeshlessSolver:
             mass=self._mass,
             options=self._options,
         )
-        displacement = np.zeros((path.n_levels, *self._body.mesh.points.shape))
-        status = np.full(path.n_levels, Status.NOT_REACHED, dtype=np.int8)
-        residual = np.full(path.n_levels, np.nan)
         walk, message = _Walk(loaded, self._options.min_step), ""
         for level, target in enumerate(path.load_factors.tolist()):
             found = walk.advance(target)
-            status[level] = found.status
             if found.status != Status.CONVERGED:
+                record.stop(level, found.status)
                 message = found.status.stopped_at(walk.reached, found.inverted)
                 break
-            displacement[level] = self._approximation.shape @ found.state
-            residual[level] = found.residual
-        return Solution(
-            displacement=displacement,
-            status=status,
-            residual=residual,
-            load_factors=path.load_factors,
+            displacement = self._approximation.shape @ found.state
+            record.keep(level, displacement, found.residual)
+        return record.solution(
             reached=walk.reached,
             message=message,
-            seconds=time.perf_counter() - started,
             counts={"time_steps": loaded.n_steps},
         )
 
