@@ -10,6 +10,7 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent
 from physgnn.mechanics.elements.tet4 import Elements, internal_force
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
+from physgnn.mechanics.linear.mkl import all_threads
 from physgnn.mechanics.support import check_held
 from physgnn.registration.skull import Support
 
@@ -35,7 +36,9 @@ class TangentResponse:
         self._pattern = body.pattern_holding(support.held)
         self._support = support
         # Responses are kept in single precision: so may be their factor.
-        self._linear = make_linear_solver(self._pattern, precision="single")
+        self._linear = make_linear_solver(
+            self._pattern, precision="single", threads=all_threads()
+        )
 
     def __call__(
         self,

@@ -1,6 +1,9 @@
 """Where MKL's library is: told by a record, or by the user."""
 
 import ctypes
+import os
+import subprocess
+import sys
 
 import pytest
 
@@ -31,3 +34,23 @@ def test_a_place_that_the_user_names_comes_first(
 def test_without_a_record_the_search_decides(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mkl, "files", lambda _: None)
     assert mkl._installed() is None
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_solver_may_have_the_threads_that_the_user_allows(threads: int) -> None:
+    program = """
+from physgnn.mechanics.linear.mkl import all_threads, mkl_library
+mkl_library().MKL_Set_Num_Threads_Local(7)  # as another solver leaves it
+print(all_threads())
+"""
+    environment = {**os.environ, "OMP_NUM_THREADS": str(threads)}
+    environment.pop("MKL_NUM_THREADS", None)
+    environment["MKL_DYNAMIC"] = "FALSE"  # more threads than cores, if need be
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert int(done.stdout) == threads

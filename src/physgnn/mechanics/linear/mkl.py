@@ -25,6 +25,15 @@ def mkl_library() -> Any:
     return mkl
 
 
+def all_threads() -> int:
+    """Return how many threads a solver may have: OMP_NUM_THREADS, else all cores."""
+    mkl = mkl_library()
+    if mkl is None:
+        return 1
+    mkl.MKL_Set_Num_Threads_Local(0)  # what the last solver had is not what there is
+    return int(mkl.MKL_Get_Max_Threads())
+
+
 def _installed() -> str | None:
     """Return where pip's record says that the library is, unless a user says it."""
     if NAMED in os.environ:
