@@ -14,8 +14,8 @@ from physgnn.errors import InputError
 from physgnn.stages.outputs import FILE, FOLDER, Output, check_outputs, writes
 
 READ = {
-    "brain", "brain_mask", "case", "config", "craniotomy", "curves", "data",
-    "dataset_1", "dataset_2", "golden", "image", "initial_transform",
+    "bone", "bone_target", "brain", "brain_mask", "case", "config", "craniotomy",
+    "curves", "data", "dataset_1", "dataset_2", "golden", "image", "initial_transform",
     "intraoperative", "landmarks", "landmarks_target", "load", "loads", "materials",
     "membranes", "mesh", "path", "patients", "points", "prediction", "report", "run",
     "runs", "scan", "segmentation", "series", "sets", "source", "sources", "start",

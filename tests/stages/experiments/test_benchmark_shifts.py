@@ -10,7 +10,13 @@ import pytest
 from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.evaluation.in_silico.shifts import Case
-from physgnn.geometry.measured import Landmarks, PointPairs, SurfacePoints, WholeSurface
+from physgnn.geometry.measured import (
+    BonePoints,
+    Landmarks,
+    PointPairs,
+    SurfacePoints,
+    WholeSurface,
+)
 from physgnn.stages.experiments.benchmark_shifts import _case
 
 
@@ -32,6 +38,7 @@ class Shifted:
             rng.normal(size=self.mesh.points.shape),
             Landmarks(one[:2], other[:2]),
             WholeSurface(one, faces),
+            BonePoints(one[:6], other[:6]),
         )
 
 
