@@ -24,6 +24,8 @@ class PointPairs:
         The same points after the shift.
     labels : tuple of str
         The name of each; by default its number, from 1.
+    left_out : tuple of str
+        Names of other pairs that were listed and have no place at one end.
 
     Raises
     ------
@@ -34,6 +36,7 @@ class PointPairs:
     source: FloatArray
     target: FloatArray
     labels: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     fewest: ClassVar[int] = FEWEST_PAIRS
 

@@ -16,6 +16,7 @@ from physgnn.registration.measurements.bone import KIND
 from physgnn.registration.measurements.kinds import (
     AnyMeasured,
     Noise,
+    left_out_of,
     measurements_of,
     moved,
     noises_of,
@@ -48,12 +49,15 @@ class Placed:
         What points of the bone say of the navigation; it has been taken out.
     prior : OffsetPrior or None
         Of the offset that a search corrects; None if it corrects none.
+    left_out : tuple of str
+        Pairs that were listed and have no place at one end.
     """
 
     measured: list[Measurement]
     noises: list[float]
     told: BoneOffset | None
     prior: OffsetPrior | None
+    left_out: tuple[str, ...] = ()
 
     @property
     def kinds(self) -> list[str]:
@@ -116,11 +120,12 @@ def placed(
         return noises_of([one.kind for one in measured], noise_mm)
 
     brain, bone = parted(body.mesh, given)
+    left_out = left_out_of([*brain, *([] if bone is None else [bone])])
     if bone is None:
         measured = measurements_of(body, brain)
         prior = UNKNOWN if rigid_offset else None
-        return Placed(measured, noises(measured), None, prior)
+        return Placed(measured, noises(measured), None, prior, left_out)
     told = offset_from_bone(bone, noises_of([KIND], noise_mm)[0])
     measured = measurements_of(body, [moved(one, told.motion.undone) for one in brain])
     prior = told.prior_about(middle_of(measured))
-    return Placed(measured, noises(measured), told, prior)
+    return Placed(measured, noises(measured), told, prior, left_out)

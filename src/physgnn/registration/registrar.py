@@ -180,6 +180,7 @@ class Registrar:
             misfits=there.misfits(search),
             offset=offset,
             bone=there.bone,
+            left_out=there.left_out,
         )
 
     def _searched(

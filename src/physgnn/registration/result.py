@@ -36,6 +36,8 @@ class Registration:
     bone : BoneFit or None
         How well points of the bone agree on that offset; None if there were none, so
         that nothing checked the navigation but what may have moved with the brain.
+    left_out : tuple of str
+        Pairs that were listed and have no place at one end.
     """
 
     prediction: Prediction
@@ -47,6 +49,7 @@ class Registration:
     misfits: tuple[Misfit, ...]
     offset: RigidOffset
     bone: BoneFit | None = None
+    left_out: tuple[str, ...] = ()
 
     @property
     def outliers(self) -> tuple[Misfit, ...]:

@@ -1,5 +1,6 @@
 """Everything that the operating theatre gives, through the command line."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -91,6 +92,30 @@ def test_all_kinds_count_in_one_call_and_bad_pairs_are_named(
     assert text[0] == "kind,label,x_mm,y_mm,z_mm,distance_mm,weight"
     kinds = {line.split(",")[0] for line in text[1:]}
     assert kinds == {"pairs", "landmarks", "surface"}
+
+
+def test_a_status_names_the_pairs_that_it_is_without(
+    theatre: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pairs = np.loadtxt(theatre / "top.csv", delimiter=",")
+    for name, ends, unplaced in (
+        ("before", pairs[:, :3], 2),
+        ("after", pairs[:, 3:], 5),
+    ):
+        points = [
+            {
+                "label": f"P{i}",
+                "position": at.tolist(),
+                "positionStatus": "undefined" if i == unplaced else "defined",
+            }
+            for i, at in enumerate(ends)
+        ]
+        markups = [{"coordinateSystem": "RAS", "controlPoints": points}]
+        (theatre / f"{name}.mrk.json").write_text(json.dumps({"markups": markups}))
+    both = "--points", "before.mrk.json", "--target", "after.mrk.json"
+    place = "--initial-transform", "to-scan.txt"
+    assert run("register", "case.vtu", *both, *place, "-o", "shift.vtu") in (0, 3)
+    assert " without P2, P5: " in capsys.readouterr().out.replace("\n", " ")
 
 
 def test_every_way_to_the_scan_is_the_same(theatre: Path) -> None:

@@ -159,6 +159,7 @@ def test_a_point_that_is_left_out_takes_its_partner_along(
     pairs = read_point_pairs(before, after, log=said.append)
     left = np.delete(points, [2, 4, 5], axis=0)
     np.testing.assert_allclose(pairs.source, left)
+    assert pairs.left_out == ("P2 \xe9", "P4 \xe9", "P5 \xe9")
     np.testing.assert_allclose(pairs.target, left + 1.0)
     for i, why in ((2, "not placed"), (4, "not selected"), (5, "hidden")):
         assert any(f"'P{i} \xe9' left out: {why}" in line for line in said)
@@ -167,9 +168,9 @@ def test_a_point_that_is_left_out_takes_its_partner_along(
 
 def test_labels_pair_lists_in_any_order() -> None:
     points = [MarkedPoint(name, np.full(3, float(i))) for i, name in enumerate("abcd")]
-    source, target, _, lines = paired(points, [*points[:2], points[3]][::-1])
+    source, target, _, left_out = paired(points, [*points[:2], points[3]][::-1])
     np.testing.assert_array_equal(source, target)
-    assert len(source) == 3 and lines == ["pair 'c' left out: without a partner"]
+    assert len(source) == 3 and left_out == {"c": "without a partner"}
 
 
 def test_lists_without_common_labels_pair_by_their_order() -> None:

@@ -18,6 +18,8 @@ Noise = Annotated[
     float | None, typer.Option(help="Of these; by default that of --noise-mm.")
 ]
 
+MOST_NAMES = 5  # of pairs that were left out, in one line
+
 
 def register(
     mesh: Annotated[
@@ -268,5 +270,15 @@ def _summary(found: "Registration") -> str:
     return (
         f"{error}misfit {found.misfit_mm:.2f} mm, of points held out "
         f"{found.held_out_mm:.2f} mm{left}; {found.navigation}; "
-        f"{found.prediction.seconds:.1f} s; {status}: {status.remedy_for('register')}"
+        f"{found.prediction.seconds:.1f} s; {status}{_without(found.left_out)}: "
+        f"{status.remedy_for('register')}"
     )
+
+
+def _without(left_out: "Sequence[str]") -> str:
+    """Return which pairs a status is without."""
+    if not left_out:
+        return ""
+    more = len(left_out) - MOST_NAMES
+    named = ", ".join(left_out[:MOST_NAMES])
+    return f" without {named}" + (f" and {more} more" if more > 0 else "")

@@ -79,10 +79,10 @@ def read_point_pairs(
                 f"needs two lists of points, source and target ({one}): give the file "
                 "of the targets too (--target, --landmarks-target or --bone-target)"
             )
-        source, moved, names, lines = paired(*lists)
-        for line in lines:
-            log(f"{path.name}: {line}")
-        return kind(source, moved, tuple(names))
+        source, moved, names, left_out = paired(*lists)
+        for name, why in left_out.items():
+            log(f"{path.name}: pair '{name}' left out: {why}")
+        return kind(source, moved, tuple(names), tuple(left_out))
 
 
 def read_points(path: str | Path, *, log: Log = no_log) -> FloatArray:

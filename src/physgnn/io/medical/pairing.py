@@ -36,7 +36,7 @@ class MarkedPoint:
 
 def paired(
     source: list[MarkedPoint], target: list[MarkedPoint]
-) -> tuple[FloatArray, FloatArray, list[str], list[str]]:
+) -> tuple[FloatArray, FloatArray, list[str], dict[str, str]]:
     """Return the ends of all pairs whose two points may be used.
 
     Points are paired by label if each list has labels of its own for all points and
@@ -49,8 +49,8 @@ def paired(
         mm.
     names : list of str
         The label of each pair, or its number in the list.
-    lines : list of str
-        What was left out and why.
+    left_out : dict of str to str
+        The names of the others, and why each was left out.
 
     Raises
     ------
@@ -58,18 +58,18 @@ def paired(
         If the lists are of different lengths without common labels, or share fewer
         than half of their labels.
     """
-    ends, names, lines = [], [], []
+    ends, names, left_out = [], [], {}
     for name, one, other in _matches(source, target):
         why = "without a partner"
         if one is not None and other is not None:
             why = one.missing or other.missing
         if one is None or other is None or why:
-            lines.append(f"pair '{name}' left out: {why}")
+            left_out[name] = why
         else:
             ends.append((one.position, other.position))
             names.append(name)
     both = np.array(ends, dtype=np.float64).reshape(-1, 2, 3)
-    return both[:, 0], both[:, 1], names, lines
+    return both[:, 0], both[:, 1], names, left_out
 
 
 Match = tuple[str, MarkedPoint | None, MarkedPoint | None]

@@ -101,6 +101,12 @@ def parted(
     return brain, bone[0] if bone else None
 
 
+def left_out_of(given: Sequence[AnyMeasured]) -> tuple[str, ...]:
+    """Return the names of pairs that were listed and have no place at one end."""
+    pairs = [one for one in given if isinstance(one, PointPairs)]
+    return tuple(name for one in pairs for name in one.left_out)
+
+
 def moved(measured: Measured, to: Callable[[FloatArray], FloatArray]) -> Measured:
     """Return a measurement, what was found after the shift elsewhere.
 

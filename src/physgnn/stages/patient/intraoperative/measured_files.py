@@ -160,6 +160,7 @@ def _pairs(
 
 def _ends(
     pairs: PointPairs, matrix: FloatArray, both: bool
-) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+) -> tuple[FloatArray, FloatArray, tuple[str, ...], tuple[str, ...]]:
     source = transformed(matrix, pairs.source) if both else pairs.source
-    return source, transformed(matrix, pairs.target), pairs.labels
+    target = transformed(matrix, pairs.target)
+    return source, target, pairs.labels, pairs.left_out
