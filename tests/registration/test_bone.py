@@ -17,11 +17,11 @@ from block_shifts import (
 from scipy.spatial.transform import Rotation
 
 from physgnn.errors import InputError
-from physgnn.geometry.measured import BonePoints
+from physgnn.geometry.measured import BonePoints, PointPairs
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.prediction import PredictionStatus
 from physgnn.registration.measurements.bone import check_bone
-from physgnn.registration.measurements.kinds import AnyMeasured, moved
+from physgnn.registration.measurements.kinds import AnyMeasured, moved, parted
 from physgnn.registration.registrar import Registrar
 from physgnn.registration.result import Registration
 
@@ -192,3 +192,13 @@ def test_points_in_another_unit_are_refused(unit: float, body: TetMesh) -> None:
 def test_bone_alone_says_nothing_of_a_brain(registrar: Registrar) -> None:
     with pytest.raises(InputError, match="of the brain"):
         registrar([bone(0)], noise_mm=NOISES)
+
+
+def test_points_of_the_brain_are_no_bone_as_well(body: TetMesh) -> None:
+    brain = PointPairs(RIM[:4] + 1.0, RIM[:4] + 2.0)
+    parted(body, [brain, bone(0)])
+    again = BonePoints(
+        np.vstack([RIM, brain.source[1:2]]), np.vstack([RIM, brain.target[1:2]])
+    )
+    with pytest.raises(InputError, match="given as both"):
+        parted(body, [brain, again])

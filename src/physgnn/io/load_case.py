@@ -201,7 +201,11 @@ def _rows(value: Any, name: str) -> FloatArray:
     try:
         rows = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
-        rows = np.empty(0)
+        rows = np.full(1, np.nan)
+    if rows.size == 0:
+        raise InputError(
+            f"{name} must be a list of triples of finite numbers, one or more"
+        )
     if rows.ndim != 2 or rows.shape[1] != 3 or not np.isfinite(rows).all():
         raise InputError(f"{name} must be a list of triples of finite numbers")
     return rows

@@ -107,7 +107,7 @@ class BoneFit:
         """Yield why the points do not tell a rigid offset, if they do not."""
         if self.n_points < FEWEST_BONE_POINTS:
             yield (
-                f"{self.n_points} places of the bone tell of the navigation (at least "
+                f"of the bone {self.n_points} different places are known (at least "
                 f"{FEWEST_BONE_POINTS})"
             )
         elif not self.spread_mm >= LEAST_SPREAD_MM:

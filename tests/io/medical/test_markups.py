@@ -166,6 +166,32 @@ def test_a_point_that_is_left_out_takes_its_partner_along(
     np.testing.assert_allclose(read_points(before), np.delete(points, [2, 4], axis=0))
 
 
+def test_labels_that_do_not_pair_are_said(tmp_path: Path) -> None:
+    points = np.random.default_rng(0).normal(size=(4, 3))
+    plain = tmp_path / "s.csv"
+    np.savetxt(plain, points, delimiter=",")
+
+    def named(name: str, labels: str) -> Path:
+        rows = [
+            f"{i},{x},{y},{z},0,0,0,1,1,1,0,{label},,"
+            for i, ((x, y, z), label) in enumerate(zip(points, labels, strict=True))
+        ]
+        head = ["# Markups fiducial file version = 4.11", "# CoordinateSystem = RAS"]
+        (tmp_path / name).write_text("\n".join([*head, *rows]) + "\n")
+        return tmp_path / name
+
+    for before, after, why in (
+        (named("a.fcsv", "abcd"), named("b.fcsv", "dcba"), ""),
+        (named("c.fcsv", "abcd"), named("d.fcsv", "aacd"), "label 'a' stands twice"),
+        (named("e.fcsv", "abcd"), named("f.fcsv", "efgh"), "no label is in both lists"),
+        (plain, named("g.fcsv", "abcd"), ""),
+    ):
+        said: list[str] = []
+        read_point_pairs(before, after, log=said.append)
+        assert any("in the order they stand in" in line for line in said) == bool(why)
+        assert all(why in line for line in said)
+
+
 def test_labels_pair_lists_in_any_order() -> None:
     points = [MarkedPoint(name, np.full(3, float(i))) for i, name in enumerate("abcd")]
     source, target, _, left_out = paired(points, [*points[:2], points[3]][::-1])

@@ -97,6 +97,11 @@ def ablate(
     print(out / "ablation.png")
 
 
+def _compared() -> list[str]:
+    """Return the models that a benchmark compares: finite elements are the truth."""
+    return [name for name in choices.names("ModelName") if name != "finite-element"]
+
+
 def benchmark(
     out: OutFolder,
     task: Annotated[
@@ -106,7 +111,7 @@ def benchmark(
         str,
         typer.Option(
             help="Measure this method, or several with commas between, or all: "
-            f"{', '.join(choices.names('ModelName'))} (but not finite-element), "
+            f"{', '.join(_compared())}, "
             "repaired, rigid, spline, register; or one of your own, as module:Class. "
             "Zero and linear are always measured beside."
         ),

@@ -18,7 +18,7 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.measured import PointPairs
 from physgnn.imaging.transforms import points_to_ras
-from physgnn.io.medical.pairing import MarkedPoint, paired
+from physgnn.io.medical.pairing import MarkedPoint, paired, why_in_order
 from physgnn.io.medical.tag import read_tag
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.text import read_json, read_text
@@ -79,6 +79,8 @@ def read_point_pairs(
                 f"needs two lists of points, source and target ({one}): give the file "
                 "of the targets too (--target, --landmarks-target or --bone-target)"
             )
+        if target is not None and (why := why_in_order(*lists)):
+            log(f"{path.name}: points are paired in the order they stand in: {why}")
         source, moved, names, left_out = paired(*lists)
         for name, why in left_out.items():
             log(f"{path.name}: pair '{name}' left out: {why}")

@@ -72,6 +72,19 @@ def paired(
     return both[:, 0], both[:, 1], names, left_out
 
 
+def why_in_order(source: list[MarkedPoint], target: list[MarkedPoint]) -> str:
+    """Return why labelled points are paired by their order; empty if by label."""
+    for points in (source, target):
+        labels = [point.label for point in points if point.label]
+        twice = next((label for label in labels if labels.count(label) > 1), None)
+        if twice is not None:
+            return f"label '{twice}' stands twice"
+    of_source, of_target = _by_label(source), _by_label(target)
+    if of_source and of_target and not of_source.keys() & of_target.keys():
+        return "no label is in both lists"
+    return ""
+
+
 Match = tuple[str, MarkedPoint | None, MarkedPoint | None]
 
 

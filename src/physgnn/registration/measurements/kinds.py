@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
@@ -98,7 +100,23 @@ def parted(
     for one in bone:
         check_bone(mesh, one)
     brain = [one for one in every if not isinstance(one, BonePoints)]
+    for one in bone:
+        _check_no_brain(one, brain)
     return brain, bone[0] if bone else None
+
+
+def _check_no_brain(bone: BonePoints, brain: Sequence[Measured]) -> None:
+    """Raise InputError if bone points are points of the brain, given once more."""
+    ends = np.hstack([bone.source, bone.target])
+    for one in brain:
+        if not isinstance(one, PointPairs):
+            continue
+        same = ends[:, None] == np.hstack([one.source, one.target])
+        if same.all(axis=2).any():
+            raise InputError(
+                "bone points must be other points than those of the brain (one pair is "
+                "given as both): bone does not move with the brain"
+            )
 
 
 def left_out_of(given: Sequence[AnyMeasured]) -> tuple[str, ...]:
