@@ -91,10 +91,9 @@ class TangentResponse:
             f_int(u), N; None if a cell is inverted or K(u) not positive definite.
         """
         elements = self.elements if elements is None else elements
-        inner, inverted = internal_force(elements, displacement)
-        if inverted >= 0:
+        inner = self._inner_force(displacement, elements)
+        if inner is None:
             return None
-        self._support.add_force(displacement, inner)
         data, _ = assemble_tangent(elements, self._pattern, displacement)
         self._support.add_tangent(self._pattern, data)
         return inner if self._linear.factorize(data) else None
@@ -128,11 +127,21 @@ class TangentResponse:
         (n_points, 3) array or None
             −K⁻¹ f_int(u), K of another state; None if a cell is inverted.
         """
-        grown = self.elements if elements is None else elements
-        inner, inverted = internal_force(grown, displacement)
-        if inverted >= 0:
+        inner = self._inner_force(
+            displacement, self.elements if elements is None else elements
+        )
+        if inner is None:
             return None
-        self._support.add_force(displacement, inner)
         right = self._pattern.unknowns(-inner[None])
         moved: FloatArray = self._pattern.on_points(self._linear.solve(right))[0]
         return moved
+
+    def _inner_force(
+        self, displacement: FloatArray, elements: Elements
+    ) -> FloatArray | None:
+        """Return f_int(u) with the skull's, N; None if a cell is inverted."""
+        inner, inverted = internal_force(elements, displacement)
+        if inverted >= 0:
+            return None
+        self._support.add_force(displacement, inner)
+        return inner
