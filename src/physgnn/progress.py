@@ -15,7 +15,11 @@ def no_log(_: str) -> None:
     """Say nothing: the default of functions that take a `Log`."""
 
 
+def no_progress(_done: int, _of: int, _what: str) -> None:
+    """Show nothing: the default of functions that take a `Progress`."""
+
+
 @contextmanager
 def no_show(_: str) -> Iterator[Progress]:
     """Show nothing: the default of functions that take a `Show`."""
-    yield lambda *_: None
+    yield no_progress

@@ -99,7 +99,7 @@ def test_out_and_back(call: Call, folder: Path) -> None:
     of_mesh, of_store = (folder / f"of-{what}.feb" for what in ("mesh", "store"))
     assert of_mesh.read_text().replace("of-mesh", "of-store") == of_store.read_text()
     assert call(*export, "--series", folder / "three")[0] == 0
-    assert call(*export, "--arrays", folder / "all.npz")[0] == 0
+    assert call("export", store, "--arrays", folder / "all.npz")[0] == 0
     sources = ("import", folder / "all.npz", folder / "three")
     back = ("--materials", folder / "loads.toml", "-o", folder / "back.zarr")
     code, out, err = call(*sources, *back)
@@ -200,3 +200,20 @@ def test_published(call: Call, shared: Path) -> None:
     code, _, err = call("published", paper / "config3_dataset2.pt", *options)
     assert code == 2
     assert "must be an .npz file with points, cells" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ("register b.vtu -o u.vtu --bone-noise-mm 1", "without --bone or --series"),
+        ("mesh --mni152 --labels brats -o c.vtu", "without the argument segmentation"),
+        ("mesh seg.nii.gz --max-volume-mm3 2 -o c.vtu", "beside the argument seg"),
+        ("benchmark -o page --report results --seed 2", "--seed is of no use beside"),
+    ],
+)
+def test_an_option_that_nothing_would_use_is_one_line(
+    call: Call, arguments: str, said: str
+) -> None:
+    code, out, err = call(*arguments.split())
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert said in err

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from physgnn.cli import patient, studies
+from physgnn.cli.strict_command import StrictCommand
 from physgnn.errors import InputError
 from physgnn.stages.naming import COMMANDS
 from physgnn.versions import release
@@ -60,7 +61,7 @@ def _commands() -> Iterator[tuple[str, Callable[..., None]]]:
 def _register() -> None:
     found = dict(_commands())
     for name in sorted(found, key=(*WORKFLOW, *found).index):
-        app.command(name, hidden=name in HIDDEN)(found[name])
+        app.command(name, cls=StrictCommand, hidden=name in HIDDEN)(found[name])
 
 
 _register()

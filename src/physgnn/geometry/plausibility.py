@@ -136,17 +136,12 @@ def check_same_units(points: FloatArray, body: FloatArray, what: str) -> None:
     from scipy.spatial import KDTree
 
     tree = KDTree(body)
-    extent, whole = (float(np.linalg.norm(np.ptp(x, axis=0))) for x in (points, body))
 
     def distance(factor: float) -> float:
         return float(np.median(tree.query(points * factor)[0]))
 
     as_is = distance(1.0)
-    far = {
-        unit: distance(mm)
-        for unit, mm in UNITS.items()
-        if LEAST_EXTENT * whole <= extent * mm <= MOST_EXTENT * whole
-    }
+    far = {unit: distance(mm) for unit, mm in units_by_extent(points, body).items()}
     unit = min(far, key=far.__getitem__, default="mm")
     if unit in far and far[unit] * TIMES_NEARER < as_is:
         raise InputError(
@@ -154,6 +149,26 @@ def check_same_units(points: FloatArray, body: FloatArray, what: str) -> None:
             f"lie {as_is:.3g} mm from it, and {far[unit]:.3g} mm if they are in "
             f"{unit}): multiply them by {UNITS[unit]:g}"
         )
+
+
+def units_by_extent(points: FloatArray, body: FloatArray) -> dict[str, float]:
+    """Return units in which points have an extent that can be measured on a body.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Measured points, which should be in mm.
+    body : (n_points, 3) array
+        Points of the body, mm.
+
+    Returns
+    -------
+    dict
+        Rows of `UNITS`: unit → how many mm one is.
+    """
+    extent, whole = (float(np.linalg.norm(np.ptp(x, axis=0))) for x in (points, body))
+    limits = LEAST_EXTENT * whole, MOST_EXTENT * whole
+    return {unit: mm for unit, mm in UNITS.items() if _within(extent * mm, limits)}
 
 
 def _within(value: float, limits: tuple[float, float]) -> bool:

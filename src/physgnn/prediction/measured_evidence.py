@@ -101,7 +101,8 @@ class BoneFit:
         points = (
             "1 bone point" if self.n_points == 1 else f"{self.n_points} bone points"
         )
-        return f"{points}, {self.misfit_mm:.1f} mm off"
+        short = ", not enough to tell it" if any(self.too_few()) else ""
+        return f"{points}, {self.misfit_mm:.1f} mm off{short}"
 
     def too_few(self) -> Iterator[str]:
         """Yield why the points do not tell a rigid offset, if they do not."""

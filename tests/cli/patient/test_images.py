@@ -93,10 +93,17 @@ def test_a_measured_surface_becomes_a_deformed_label_map(
 @pytest.mark.parametrize(
     ("words", "hint"),
     [
-        (("--target", "m.csv", "-o", "o.vtu"), "beside their targets"),
+        (
+            ("--target", "m.csv", "-o", "o.vtu"),
+            "--target is of no use without --points",
+        ),
         (("-o", "o.vtu"), "give --points"),
         (("--landmarks", "out.csv", "-o", "o.vtu"), "landmarks must lie inside"),
-        (("--points", "m.csv", "--surface-noise-mm", 0, "-o", "o.vtu"), "noise_mm of"),
+        (
+            ("--points", "m.csv", "--surface-noise-mm", 1, "-o", "o.vtu"),
+            "without --surface",
+        ),
+        (("--points", "m.csv", "--noise-mm", 0, "-o", "o.vtu"), "noise_mm"),
         (("--points", "m.csv", "-o", "o.stl"), "written as .vtu"),
         (("--surface", "m.csv", "-o", "o.vtu"), "both ends of pairs"),
         (

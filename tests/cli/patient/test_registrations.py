@@ -172,7 +172,8 @@ def bone_files(mm: np.ndarray = INTO) -> None:
 
 
 SPACE = ("--initial-transform", "to-scan.h5", "--transformed", "after")
-TOLD = ("--noise-mm", 0.5, "--bone-noise-mm", 0.3)
+TOLD = ("--noise-mm", 0.5)
+OF_BONE = ("--bone-noise-mm", 0.3)
 
 
 def test_bone_points_take_out_what_the_navigation_is_off(
@@ -185,7 +186,7 @@ def test_bone_points_take_out_what_the_navigation_is_off(
     assert "not checked against bone" in said.out
     assert "the navigation was not checked against bone" in said.err
     assert "not checked" in str(pv.read("alone.vtu").field_data["navigation"])
-    bone = ("--bone", "bone.csv", "--misfits", "misfits.csv")
+    bone = ("--bone", "bone.csv", *OF_BONE, "--misfits", "misfits.csv")
     run("register", "case.vtu", *given, *bone, "-o", "out.vtu")
     said = capsys.readouterr()
     assert "corrected; 5 bone points" in said.out
@@ -196,7 +197,7 @@ def test_bone_points_take_out_what_the_navigation_is_off(
     assert z == pytest.approx(-8.0, abs=0.6) and len(lines) == 9
     kinds = [row.split(",")[0] for row in Path("misfits.csv").read_text().split()]
     assert kinds.count("bone") == 5
-    pair = ("--bone", "in-scan.fcsv", "--bone-target", "now.fcsv")
+    pair = ("--bone", "in-scan.fcsv", "--bone-target", "now.fcsv", *OF_BONE)
     run("register", "case.vtu", *given, *pair, "-o", "pair.vtu")
     found = [pv.read(name)["displacement_mm"] for name in ("out.vtu", "pair.vtu")]
     np.testing.assert_allclose(found[1], found[0], atol=1e-3)
@@ -207,7 +208,8 @@ def test_a_series_takes_bone_points_of_each_state(theatre: Path) -> None:
     Path("states.csv").write_text(
         "name,points,bone\nchecked,off.csv,bone.csv\nnot,off.csv,\n"
     )
-    run("register", "case.vtu", "--series", "states.csv", *SPACE, *TOLD, "-o", "s")
+    noise = (*TOLD, *OF_BONE)
+    run("register", "case.vtu", "--series", "states.csv", *SPACE, *noise, "-o", "s")
     head, checked, alone = (theatre / "s/results.csv").read_text().splitlines()
     assert head.endswith("offset_mm,bone")
     assert '"5 bone points' in checked and alone.endswith(",")
@@ -218,7 +220,7 @@ def test_a_series_takes_bone_points_of_each_state(theatre: Path) -> None:
     ("given", "said"),
     [
         (("--bone", "bone.csv"), "nothing was measured of the brain"),
-        (("--points", "off.csv", "--bone-target", "now.fcsv"), "give --bone"),
+        (("--points", "off.csv", "--bone-target", "now.fcsv"), "without --bone"),
         (("--points", "off.csv", "--bone", "in-scan.fcsv"), "--bone-target"),
         (("--points", "off.csv", "--bone", "deep-half.csv"), "outside of the brain"),
         (("--points", "off.csv", "--bone", "case.vtu"), "must be .csv"),

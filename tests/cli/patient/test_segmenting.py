@@ -64,7 +64,7 @@ def test_what_is_no_scan(
 @pytest.mark.parametrize(
     ("extra", "message"),
     [
-        (["--tumour-labels", "1"], "needs the label map"),
+        (["--tumour-labels", "1"], "--tumour-labels is of no use without --tumour"),
         (["--tumour", "labels.nii.gz"], "must be named"),
         (["--tumour", "labels.nii.gz", "--tumour-labels", "7"], "no voxel has"),
         (["--tumour", "labels.nii.gz", "--tumour-labels", "a"], "such as 1"),

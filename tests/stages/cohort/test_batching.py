@@ -108,6 +108,16 @@ def test_a_failure_is_named_and_the_others_go_on(cohort: Path) -> None:
     assert float(rows[-1]["largest_mm"]) > 0
 
 
+def test_a_cell_that_nothing_would_use_is_named(cohort: Path) -> None:
+    table = cohort / "unused.csv"
+    table.write_text(
+        "name,case,points,bone_noise_mm\nAnna,block.vtu,moved.csv,0.5\n", "utf-8"
+    )
+    (anna,) = batch(table, cohort / "out")
+    assert (anna.outcome, anna.step) == ("failed", "register")
+    assert "register.bone_noise_mm is of no use without register.bone" in anna.reason
+
+
 def test_a_second_call_does_what_has_changed(
     cohort: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

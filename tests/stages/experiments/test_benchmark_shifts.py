@@ -74,3 +74,12 @@ def test_another_file_in_its_place_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"shift-003\.npz is no shift .*: delete it"):
         _case(body, 3, tmp_path)
     assert not body.simulated
+
+
+def test_a_damaged_shift_says_what_makes_it_anew(tmp_path: Path) -> None:
+    body: Any = Shifted(10.0)
+    _case(body, 3, tmp_path)
+    whole = (tmp_path / "shift-003.npz").read_bytes()
+    (tmp_path / "shift-003.npz").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(InputError, match=r"shift-003\.npz .*delete it, and it is"):
+        _case(body, 3, tmp_path)

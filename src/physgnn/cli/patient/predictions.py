@@ -66,7 +66,7 @@ def predict(
     chance = "" if bounds is None else f" ({bounds.coverage:.0%} of cases)"
     print(
         f"{out}: largest displacement {largest:.2f} mm{error}{bound}{chance}, "
-        f"{1e3 * found.seconds:.1f} ms; {found.status}: "
+        f"{found.seconds:.1f} s with what is factorised once; {found.status}: "
         f"{found.status.remedy_for('predict')}"
     )
     conclude(found.status, found.reasons)

@@ -145,7 +145,10 @@ def benchmark(
         ),
     ] = None,
 ) -> None:
-    """Compare every method on the same tasks; call it again to resume."""
+    """Compare every method on the same tasks; call it again to resume.
+
+    The exit code is 3 if a method failed, or one that was named applies to no task.
+    """
     outcome = stages.benchmark(
         out,
         task=task,
@@ -159,7 +162,7 @@ def benchmark(
         log=say,
     )
     print(outcome)
-    if outcome.failed:
+    if outcome.failed or (method != "all" and outcome.of_no_use):
         raise typer.Exit(NOT_USABLE)
 
 

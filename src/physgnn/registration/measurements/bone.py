@@ -1,13 +1,15 @@
 """Points of the bone: they don't move with a brain, so they tell of the navigation."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pyvista as pv
 
-from physgnn.arrays import BoolArray
+from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces, boundary_points
 from physgnn.geometry.measured import BonePoints
-from physgnn.geometry.plausibility import check_same_units
+from physgnn.geometry.plausibility import check_same_units, units_by_extent
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.registration.measurements.places import SNAP_MM, nearest_places
 
@@ -15,8 +17,6 @@ from physgnn.registration.measurements.places import SNAP_MM, nearest_places
 FARTHEST_MM = 200.0
 # A navigation that is farther off has not been registered: it is in other coordinates.
 LARGEST_OFFSET_MM = 50.0
-
-
 KIND = "bone"
 
 
@@ -50,26 +50,61 @@ def check_bone(mesh: TetMesh, bone: BonePoints) -> None:
 
 
 def _check_places(mesh: TetMesh, bone: BonePoints) -> None:
-    """Raise InputError if a point cannot be of bone; it names it."""
-    nearest = nearest_places(mesh.points, boundary_faces(mesh), bone.source)[1]
-    away = np.linalg.norm(bone.source - nearest, axis=1)
-    grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
-    inside = np.atleast_1d(grid.find_containing_cell(bone.source)) >= 0
-
-    def named(chosen: BoolArray) -> str:
-        return ", ".join(
-            f"'{bone.labels[i]}' ({away[i]:.0f} mm)" for i in np.flatnonzero(chosen)
-        )
-
-    deep = inside & (away > SNAP_MM)
-    if deep.any():
+    """Raise InputError if a point cannot be of bone; it names it, or the unit."""
+    places = _BonePlaces.of(mesh, bone.source)
+    if places.possible:
+        return
+    for unit, mm in units_by_extent(bone.source, mesh.points).items():
+        if _BonePlaces.of(mesh, bone.source * mm).possible:
+            raise InputError(
+                "bone points must be in mm, outside of the brain (as they are they lie "
+                f"{_extents(places, bone)}, which looks like {unit}): multiply them by "
+                f"{mm:g}"
+            )
+    if places.deep.any():
         raise InputError(
-            f"bone points must lie outside of the brain (in its depth: {named(deep)}): "
-            "check axes (RAS), or give them as --landmarks"
+            "bone points must lie outside of the brain (in its depth: "
+            f"{_named(bone, places, places.deep)}): check axes (RAS), or give them as "
+            "--landmarks"
         )
-    far = away > FARTHEST_MM
-    if far.any():
-        raise InputError(
-            f"bone points must lie within {FARTHEST_MM:g} mm of the brain (farther: "
-            f"{named(far)}): check axes (RAS), units (mm) and --initial-transform"
-        )
+    raise InputError(
+        f"bone points must lie within {FARTHEST_MM:g} mm of the brain (farther: "
+        f"{_named(bone, places, places.far)}): check axes (RAS), units (mm) and "
+        "--initial-transform"
+    )
+
+
+@dataclass(frozen=True)
+class _BonePlaces:
+    """How far points are from the brain's surface, mm, and which cannot be of bone."""
+
+    away: FloatArray
+    deep: BoolArray
+
+    @classmethod
+    def of(cls, mesh: TetMesh, points: FloatArray) -> "_BonePlaces":
+        nearest = nearest_places(mesh.points, boundary_faces(mesh), points)[1]
+        away = np.linalg.norm(points - nearest, axis=1)
+        grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
+        inside = np.atleast_1d(grid.find_containing_cell(points)) >= 0
+        return cls(away, inside & (away > SNAP_MM))
+
+    @property
+    def far(self) -> BoolArray:
+        return self.away > FARTHEST_MM
+
+    @property
+    def possible(self) -> bool:
+        return not (self.deep | self.far).any()
+
+
+def _extents(places: _BonePlaces, bone: BonePoints) -> str:
+    within = float(np.linalg.norm(np.ptp(bone.source, axis=0)))
+    where = "in its depth" if places.deep.any() else f"{places.away.max():.3g} mm away"
+    return f"{where}, within {within:.3g} mm of each other"
+
+
+def _named(bone: BonePoints, places: _BonePlaces, chosen: BoolArray) -> str:
+    return ", ".join(
+        f"'{bone.labels[i]}' ({places.away[i]:.0f} mm)" for i in np.flatnonzero(chosen)
+    )

@@ -11,6 +11,7 @@ from physgnn.errors import InputError
 from physgnn.stages.cohort.columns import CASE, OptionColumn, columns_of
 from physgnn.stages.cohort.patient_table import Patient
 from physgnn.stages.cohort.step_table import Step, steps
+from physgnn.stages.option_rules import check_options
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,8 @@ def _call(
             "the patient's mesh has no network: fill in adapt.loads, which makes a "
             f"family's ready for it, or {step.command}.{step.of_mesh}"
         )
+    filled = [name for name, value in given.items() if value is not False]
+    check_options(step.command, filled, lambda name: f"{step.command}.{name}")
     given = {**step.defaults, **given}
     for name in _required(step):
         if name not in given:

@@ -15,7 +15,7 @@ from physgnn.geometry import TetMesh, mni152_phantom
 from physgnn.io.untrusted.compressed import read_npz
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.numbers import real_numbers, whole_numbers
-from physgnn.progress import Progress
+from physgnn.progress import Progress, no_progress
 from physgnn.stages.datasets.simulation import processes, simulate_mesh
 from physgnn.stages.experiments.benchmark_shifts import shift_data
 from physgnn.stages.patient.preoperative.surface_meshing import mesh_surfaces
@@ -48,7 +48,7 @@ def task_data(
     folder: Path,
     given: Path | None,
     *,
-    progress: Progress | None = None,
+    progress: Progress = no_progress,
 ) -> "TaskData | ShiftData":
     """Return a task's data; those that are simulated here go into a folder.
 
@@ -60,7 +60,7 @@ def task_data(
         Where simulations are, or are to be.
     given : path or None
         The user's data, for size ``full``.
-    progress : callable, optional
+    progress : callable
         Called with the paths solved.
 
     Raises
@@ -91,7 +91,7 @@ def task_data(
 
 
 def _family(
-    name: str, size: str, folder: Path, given: Path | None, progress: Progress | None
+    name: str, size: str, folder: Path, given: Path | None, progress: Progress
 ) -> list[Store]:
     """Return other bodies' datasets for a registration, if a network can use them."""
     from physgnn.evaluation.benchmark.tasks import TASKS
@@ -119,7 +119,7 @@ def _found(task: "Task", given: Path | None) -> Path:
 
 
 def _full(
-    name: str, task: "Task", folder: Path, found: Path, progress: Progress | None
+    name: str, task: "Task", folder: Path, found: Path, progress: Progress
 ) -> list[Store]:
     if name == "tonutti-2017":
         from physgnn.evaluation.benchmark.tasks import TONUTTI
@@ -160,9 +160,7 @@ def _checked(path: Path, preset: str) -> Store:
     return store
 
 
-def _tiny(
-    name: str, task: "Task", folder: Path, progress: Progress | None
-) -> list[Store]:
+def _tiny(name: str, task: "Task", folder: Path, progress: Progress) -> list[Store]:
     preset = task.tiny
     assert preset is not None  # every task that runs has one
     bodies = BODIES if task.split == MESH else BODIES[:1]
@@ -180,9 +178,7 @@ def _small_brain(radius_mm: float, scale: tuple[float, float, float]) -> TetMesh
     return replace(mesh, points=mesh.points * np.array(scale))
 
 
-def _simulated(
-    mesh: TetMesh, preset: Preset, path: Path, progress: Progress | None
-) -> Store:
+def _simulated(mesh: TetMesh, preset: Preset, path: Path, progress: Progress) -> Store:
     path.parent.mkdir(parents=True, exist_ok=True)
     store, _ = simulate_mesh(
         mesh,

@@ -18,7 +18,7 @@ from physgnn.geometry.measured import (
 )
 from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.untrusted.compressed import read_npz
-from physgnn.progress import Progress
+from physgnn.progress import Progress, no_progress
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.benchmark.shift_data import ShiftData
@@ -31,7 +31,7 @@ def shift_data(
     folder: Path,
     family: tuple[Store, ...],
     *,
-    progress: Progress | None = None,
+    progress: Progress = no_progress,
 ) -> "ShiftData":
     """Return a registration's data; shifts that are not there are simulated.
 
@@ -43,7 +43,7 @@ def shift_data(
         Where shifts are, or are to be; both registration tasks have the same.
     family : tuple of Store
         What a network learns from.
-    progress : callable, optional
+    progress : callable
         Called with the shifts done.
     """
     from physgnn.evaluation.benchmark.shift_data import SHIFT_SIZES, ShiftData
@@ -52,12 +52,13 @@ def shift_data(
     from physgnn.evaluation.in_silico.shifts import Truth
 
     of = SHIFT_SIZES[size]
+    progress(0, of.cases, "meshing what shifts")
     truth = Truth(of.true_points, "fixed", surface_points=of.true_surface)
     cases = []
     for seed in range(of.cases):
+        progress(seed, of.cases, "simulating shifts")
         cases.append(_case(truth, seed, folder / f"shifts-{size}"))
-        if progress is not None:
-            progress(seed + 1, of.cases, "simulating shifts")
+    progress(of.cases, of.cases, "meshing what is registered")
     body = Compared(of.points, "fixed", truth.mesh.points, surface_points=of.surface)
     measured = TASKS[name].measured
     return ShiftData(name, size, measured, truth, tuple(cases), body, family)
@@ -68,9 +69,7 @@ def _case(truth: "Truth", seed: int, folder: Path) -> "Case":
     file = folder / f"shift-{seed:03d}.npz"
     mesh = np.frombuffer(bytes.fromhex(truth.mesh.content_hash), np.uint8)
     if file.exists():
-        arrays = read_npz(file)
-        if set(arrays) != {*NAMES, "mesh"}:
-            raise InputError(f"{file} is no shift of physgnn benchmark: delete it")
+        arrays = _read(file)
         if np.array_equal(arrays["mesh"], mesh):
             return _from_arrays(arrays)
     case = truth.case(seed)
@@ -78,6 +77,20 @@ def _case(truth: "Truth", seed: int, folder: Path) -> "Case":
     with whole_file(file) as part, part.open("wb") as stream:
         np.savez(stream, mesh=mesh, **_arrays(case))
     return case
+
+
+def _read(file: Path) -> Mapping[str, NDArray[Any]]:
+    """Return the arrays of a shift's file; raise InputError if it is none."""
+    try:
+        arrays = read_npz(file)
+    except InputError:
+        arrays = {}
+    if set(arrays) != {*NAMES, "mesh"}:
+        raise InputError(
+            f"{file} is no shift of physgnn benchmark, or damaged: delete it, and it "
+            "is simulated again"
+        )
+    return arrays
 
 
 NAMES = (

@@ -41,6 +41,14 @@ class BenchmarkOutcome:
         """The results of methods that failed."""
         return [result for result in self.results if result.status == "failed"]
 
+    @property
+    def of_no_use(self) -> list[str]:
+        """Methods that apply to none of the tasks, by their names."""
+        useful = {r.identity.method for r in self.results if r.status == "measured"}
+        names = dict.fromkeys(result.identity.method for result in self.results)
+        failed = {result.identity.method for result in self.failed}
+        return [name for name in names if name not in useful | failed]
+
     def __str__(self) -> str:
         """Return what there is to say of it, a line each."""
         lines = [_line(result) for result in self.results]
