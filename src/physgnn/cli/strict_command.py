@@ -13,12 +13,13 @@ ON_COMMAND_LINE = "COMMANDLINE"
 class StrictCommand(TyperCommand):
     """One that asks `physgnn.stages.option_rules` before it begins."""
 
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command, unless an option is of no use beside the others."""
-        given = [name for name in ctx.params if _is_given(ctx, name)]
+    def make_context(self, *args: Any, **extra: Any) -> Any:
+        """Parse what was given; raise InputError if an option is of no use."""
+        found = super().make_context(*args, **extra)
+        given = [name for name in found.params if _is_given(found, name)]
         shown = {parameter.name: _shown(parameter) for parameter in self.params}
         check_options(COMMANDS[str(self.name)], given, shown.__getitem__)
-        return super().invoke(ctx)
+        return found
 
 
 def _is_given(ctx: Any, name: str) -> bool:
