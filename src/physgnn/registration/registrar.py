@@ -26,6 +26,7 @@ from physgnn.dataset.membranes import Membranes
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.cell_kinematics import volume_change_range
+from physgnn.mechanics.linear.blas_threads import one_blas_thread
 from physgnn.prediction.evidence import Evidence, Verdict, decide
 from physgnn.prediction.measured_evidence import RigidOffset
 from physgnn.prediction.prediction import ErrorBound, Prediction
@@ -37,7 +38,6 @@ from physgnn.registration.inference.bounds import (
     factors_of,
     mixed_covariance,
 )
-from physgnn.registration.inference.continuation import Continuation
 from physgnn.registration.inference.search import Reached, Search
 from physgnn.registration.load_families import Solve, load_modes
 from physgnn.registration.measurements.kinds import (
@@ -104,6 +104,7 @@ class Registrar:
         self._respond = ModeResponse(self.tangent, self.modes)
         self._reached: Reached | None = None  # of the last call, whose factor is kept
 
+    @one_blas_thread()
     def __call__(
         self,
         measured: AnyMeasured | Sequence[AnyMeasured],
@@ -134,7 +135,7 @@ class Registrar:
         after : (n_points, 3) array, optional
             The displacement of the state before, mm, where the search begins: the
             result is the same to within a fraction of the noise, in a fraction of the
-            time (`physgnn.registration.inference.continuation`).
+            time (`physgnn.registration.inference.search`).
         linear : bool
             Stop after the first step, linear elasticity.
         coverage : float
@@ -192,20 +193,29 @@ class Registrar:
     ) -> tuple[Search, bool]:
         """Return a search that has ended, and whether it came to rest."""
         given = self._respond, self.modes, there.measured, there.noises
-        start = None if after is None or linear else self._at(after)
+        before = None if after is None or linear else self._at(after)
         self._reached = None
-        if start is not None:
-            search: Search = Continuation(*given, start=start, offset=there.prior)
+        if before is not None:
+            search = Search(*given, start=before, offset=there.prior)
             if search.descend():
                 self._reached = search.reached
                 return search, True
-        search = Search(*given, offset=there.prior)
+        search = Search(*given, start=self._at_rest(), offset=there.prior)
         if linear:
             return search, search.linear_step()
         whole = search.descend()
         if whole:
             self._reached = search.reached
         return search, whole
+
+    def _at_rest(self) -> Reached:
+        """Return the rest state, whose tangent is factorised again if it was not last.
+
+        The modes' responses are those of the rest state.
+        """
+        rest = np.zeros_like(self.body.mesh.points)
+        self.tangent.linearise(rest)
+        return Reached(rest, np.zeros(len(self.modes.family)), self.modes.response)
 
     def _at(self, displacement: FloatArray) -> Reached | None:
         """Return the state with this displacement; None if the body is not stable.

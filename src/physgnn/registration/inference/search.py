@@ -1,10 +1,18 @@
-"""The descent from the rest state to the most probable displacement.
+"""The descent from a state to the most probable displacement.
 
 About u, equilibrium is u + K(u)⁻¹ (B w − f_int(u)), linear in w, so that the best w is
 that of a Gaussian regression, and the new u follows (Gauss–Newton on both together).
+
+A step with a new tangent costs a factorisation and one back-substitution for each load
+mode; without one it costs a single back-substitution. So the tangent is kept while
+steps get shorter (the chord method), renewed once near the end, whose linearisation the
+error bounds are of, and whenever steps don't get shorter.
+
+The prior and what is an outlier follow from the measurement about the rest state,
+wherever the search begins: a state of a series has the result that it would have alone.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,22 +34,25 @@ from physgnn.registration.inference.rows import (
 )
 from physgnn.registration.load_families import LoadModes
 from physgnn.registration.measurements.observation import Measurement
+from physgnn.registration.mode_response import ModeResponse
 from physgnn.registration.tangent_response import Fields
 
-MAX_STEPS = 20
+MAX_STEPS = 40
 LONGEST_STEP_MM = 5.0  # longer ones leave the range where linear elasticity holds
 MAX_HALVINGS = 6
 STEP_TOLERANCE_MM = 0.01  # far below what a tracked pointer measures
+NEAR_MM = 0.5  # nearer than this the tangent is that of the end, and is renewed once
+SHORTER = 0.6  # a step without a new tangent is to be so much shorter than the last
 # After so many steps a measured surface keeps its matching: points that change from
 # face to face would never come to rest. A number, not a length: where a length
 # decides, a change of 1e-6 mm in what was measured can be a change of a step.
-MATCHED_STEPS = 8
+MATCHED_STEPS = 12
 WEIGHTINGS = 3  # a step
 
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """Where a search ended; its tangent is the one that was factorised last.
+    """A state whose tangent, or one near it, was factorised last.
 
     Attributes
     ----------
@@ -58,37 +69,36 @@ class Reached:
     response: Fields
 
 
-Tangent = Callable[[FloatArray, FloatArray], tuple[Fields, FloatArray] | None]
-
-
 class Search:
     """One descent.
 
     Parameters
     ----------
-    tangent : callable
-        From a displacement and the coefficients that go with it to the responses of
-        all modes and the step backward.
+    respond : ModeResponse
+        Factorised about `start`, or near it.
     modes : LoadModes
         What may push the body.
     measured : sequence of Measurement
         Everything measured.
     noises : sequence of float
         Of each, mm.
+    start : Reached
+        Where it begins: the rest state, or another that is stable.
     offset : OffsetPrior, optional
         Correct a rigid offset of the navigation, of which this is known.
     """
 
     def __init__(
         self,
-        tangent: Tangent,
+        respond: ModeResponse,
         modes: LoadModes,
         measured: Sequence[Measurement],
         noises: Sequence[float],
         *,
+        start: Reached,
         offset: OffsetPrior | None = None,
     ) -> None:
-        self._tangent, self._modes = tangent, modes
+        self._respond, self._modes = respond, modes
         self._measured, self._noises = measured, noises
         self._offset = offset
         self.u = np.zeros(modes.forces.shape[1:])
@@ -99,6 +109,14 @@ class Search:
         known = np.empty(0) if offset is None else offset.variances
         self._about = Modes(modes.family, known, min(noises), modes.most)
         self._prior, self.fit = robust_start(self.rows(), self._about)
+        self._begins = self._placed_at(start)
+
+    def _placed_at(self, start: Reached) -> bool:
+        """Go where the search begins; False if a cell is inverted there."""
+        if not start.displacement.any():
+            return True
+        self.response = start.response
+        return self._moved_to(start.displacement, start.coefficients, matches=True)
 
     @property
     def w(self) -> FloatArray:
@@ -125,13 +143,23 @@ class Search:
 
     def descend(self) -> bool:
         """Step until steps are short; False if that was not reached."""
+        if not self._begins:
+            return False
+        before, renewed = np.inf, False
         for count in range(MAX_STEPS):
             step = self._step()
             length = float(np.linalg.norm(step, axis=1).max())
             part = min(1.0, LONGEST_STEP_MM / max(length, 1e-12))
-            if not self._advance(step, part, matches=count < MATCHED_STEPS):
+            ends = renewed and length < STEP_TOLERANCE_MM
+            matches = count < MATCHED_STEPS
+            kept = length < SHORTER * before and (renewed or length > NEAR_MM)
+            if (ends or kept) and self._along(step, part, matches=matches):
+                before = length
+            elif self._advance(step, part, matches=matches):
+                before, renewed = np.inf, True
+            else:
                 return False
-            if length < STEP_TOLERANCE_MM:
+            if ends:
                 return True
         return False
 
@@ -183,27 +211,51 @@ class Search:
     def _advance(self, step: FloatArray, part: float, *, matches: bool) -> bool:
         """Go a part of a step, a half, a quarter … of it, to where the body is stable.
 
-        The coefficients go as far.
+        The coefficients go as far, and the tangent is renewed.
         """
-        for halvings in range(MAX_HALVINGS):
-            gone = part / 2**halvings
-            u = self.u + gone * step
-            w = self.w_at_u + gone * (self.w - self.w_at_u)
-            found = self._tangent(u, w)
+        for u, w in self._shorter_and_shorter(step, part):
+            found = self._respond(u, w)
             if found is None:
                 continue
-            self._seen = (
-                [one.observe(u) for one in self._measured]
-                if matches
-                else [one.after(u - self.u) for one in self._seen]
-            )
-            self.u, self.w_at_u = u, w
-            self.response, self._backward = found
-            self.fit = reweighted(
-                self.rows(), self._prior, self.fit.weights, WEIGHTINGS
-            )
+            self.response, backward = found
+            self._arrive(u, w, backward, matches=matches)
             return True
         return False
+
+    def _along(self, step: FloatArray, part: float, *, matches: bool) -> bool:
+        """Go a part of a step, a half, a quarter … of it, with the tangent kept."""
+        return any(
+            self._moved_to(u, w, matches=matches)
+            for u, w in self._shorter_and_shorter(step, part)
+        )
+
+    def _shorter_and_shorter(
+        self, step: FloatArray, part: float
+    ) -> Iterator[tuple[FloatArray, FloatArray]]:
+        """Yield a part of a step, a half, a quarter … of it, and its coefficients."""
+        change = self.w - self.w_at_u
+        for gone in part / 2.0 ** np.arange(MAX_HALVINGS):
+            yield self.u + gone * step, self.w_at_u + gone * change
+
+    def _moved_to(self, u: FloatArray, w: FloatArray, *, matches: bool) -> bool:
+        """Go to a state with the tangent kept; False if a cell is inverted there."""
+        backward = self._respond.backward(u, w, self.response)
+        if backward is None:
+            return False
+        self._arrive(u, w, backward, matches=matches)
+        return True
+
+    def _arrive(
+        self, u: FloatArray, w: FloatArray, backward: FloatArray, *, matches: bool
+    ) -> None:
+        """Take a state for the one that the search is at, and fit again."""
+        self._seen = (
+            [one.observe(u) for one in self._measured]
+            if matches
+            else [one.after(u - self.u) for one in self._seen]
+        )
+        self.u, self.w_at_u, self._backward = u, w, backward
+        self.fit = reweighted(self.rows(), self._prior, self.fit.weights, WEIGHTINGS)
 
 
 def combined(fields: Fields, w: FloatArray) -> FloatArray:
