@@ -53,7 +53,7 @@ def seconds(function: Callable[[], object], repeats: int = 3) -> float:
 
 
 def row_of(mesh: TetMesh) -> list[float]:
-    network, graph = PhysGNN(3, 2).eval(), Graph.from_mesh(mesh)
+    network, graph = PhysGNN().eval(), Graph.from_mesh(mesh)
     times = []
     for n_loaded in (mesh.n_points, N_LOADED):
         x = features(mesh, n_loaded)

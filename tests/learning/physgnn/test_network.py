@@ -8,7 +8,8 @@ from learning.reference import random_pair
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
-from physgnn.learning.physgnn.network import CONFIGURATIONS, PhysGNN
+from physgnn.learning.physgnn.layout import CONFIGURATIONS, Layout
+from physgnn.learning.physgnn.network import PhysGNN
 
 
 def random_inputs(graph: Graph, *, batch: int = 2, seed: int = 0) -> torch.Tensor:
@@ -69,17 +70,28 @@ def test_one_sample_is_a_batch_of_one(graph: Graph) -> None:
     torch.testing.assert_close(network(x[0], graph), network(x, graph)[0])
 
 
+def test_layers_beyond_the_published_six_are_as_the_sixth() -> None:
+    published, deep = Layout(9, 1), Layout(9, 1, 8)
+    assert deep.layers == (*published.layers, *published.layers[-1:] * 2)
+    assert Layout(9, 1, 2).layers == published.layers[:2]
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"configuration": 13}, "configuration"),
         ({"dataset": 3}, "dataset"),
-        ({"width": 7}, "width"),
+        ({"depth": 5}, "depth"),
     ],
 )
-def test_refuses_what_there_is_not(options: dict[str, int], message: str) -> None:
+def test_refuses_a_layout_there_is_not(options: dict[str, int], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        PhysGNN(**options)
+        Layout(**options)
+
+
+def test_refuses_an_odd_width() -> None:
+    with pytest.raises(InputError, match="width"):
+        PhysGNN(width=7)
 
 
 def test_refuses_another_meshs_rows(graph: Graph) -> None:

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 import torch
 from scipy.spatial import Delaunay
-from torch import Tensor
+from torch import Tensor, nn
 
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
+from physgnn.learning.physgnn.layout import DEPTHS, Layout
+from physgnn.learning.physgnn.layout import PUBLISHED_DEPTH as N_LAYERS
 from physgnn.learning.physgnn.load_neighbourhood import LoadNeighbourhood
-from physgnn.learning.physgnn.network import N_LAYERS, PhysGNN
+from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.physgnn.pruning import NEIGHBOURHOODS_CACHED
 
 
@@ -45,18 +47,18 @@ def loaded_features(graph: Graph, *, batch: int, nodes: list[int]) -> Tensor:
 
 
 def whole(network: PhysGNN, x: Tensor, graph: Graph) -> Tensor:
-    last = network.outputs(x, [graph] * N_LAYERS)[-1]
+    last = network.outputs(x, [graph] * network.layout.depth)[-1]
     return network.head[2:](last.flatten(0, 1)).view(*x.shape[:2], 3)
 
 
-def distance(graph: Graph, nodes: list[int]) -> Tensor:
+def distance(graph: Graph, nodes: list[int], most: int = N_LAYERS + 2) -> Tensor:
     """Hops from the nodes by powers of the adjacency matrix."""
     step = torch.eye(graph.n_points)
     step[graph.row, graph.column] = 1
     reached = torch.zeros(graph.n_points)
     reached[nodes] = 1
     hops = torch.full((graph.n_points,), 99)
-    for k in range(N_LAYERS + 2):
+    for k in range(most):
         hops[(reached > 0) & (hops == 99)] = k
         reached = (step @ reached).clamp(max=1)
     return hops
@@ -218,3 +220,29 @@ def test_some_points_get_what_all_would_give_them(
             gradients[-1] = [value.clone() for value in gradients[-1]]
         for some, expected in zip(*gradients, strict=True):
             torch.testing.assert_close(some, expected, rtol=1e-8, atol=1e-9)
+
+
+@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize("jumping", [True, False])
+def test_other_layouts_carry_a_load_as_many_hops_as_they_have_layers(
+    graph: Graph, depth: int, jumping: bool
+) -> None:
+    torch.manual_seed(0)
+    layout = Layout(9, 1, depth, jumping_knowledge=jumping)
+    network = PhysGNN(layout, width=16).double().eval()
+    x = loaded_features(graph, batch=2, nodes=[0, 3]).double()
+    graph = replace(graph, weight=graph.weight.double())
+    with torch.no_grad():
+        found, resting = network(x, graph), whole(network, unloaded(x), graph)
+        torch.testing.assert_close(found, whole(network, x, graph))
+    moved = (found - resting).abs().amax(dim=(0, 2)) > 1e-14
+    assert distance(graph, [0, 3], depth + 2)[moved].max() == depth
+    some = torch.tensor([5, 2, 900])
+    torch.testing.assert_close(network(x, graph, some), found[:, some])
+    lstms = [module for module in network.modules() if isinstance(module, nn.LSTM)]
+    assert len(lstms) == (2 if jumping else 0)
+
+
+def unloaded(x: Tensor) -> Tensor:
+    """Features without the load: all points have the last one's force columns."""
+    return torch.cat([x[:, :, :1], x[:, -1:, 1:].expand(x.shape[0], x.shape[1], 6)], 2)

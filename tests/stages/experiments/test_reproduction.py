@@ -11,11 +11,13 @@ from physgnn.dataset import PRESETS, Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh
+from physgnn.learning.physgnn.layout import Layout
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.mechanics.loads.sampling import cone_paths
 from physgnn.stages.datasets.simulation import simulate_mesh
 from physgnn.stages.experiments import reproduction
 from physgnn.stages.experiments.ablation import Ablation, run_ablation
+from physgnn.stages.experiments.ablation_panels import Trial, named_panels
 from physgnn.stages.experiments.pipeline import can_resume
 from physgnn.stages.experiments.reproduction import Reproduction, reproduce
 
@@ -72,14 +74,27 @@ def test_ablate(block: TetMesh, tmp_path: Path) -> None:
     text = run_ablation(
         {2: store.path}, budget, out, progress=lambda done, *_: told.append(done)
     )
-    assert told == list(range(1, 13))
-    assert text.count("| 2 |") >= 13  # seven aggregations, six mixtures of layers
+    assert told == list(
+        range(1, 17)
+    )  # twelve configurations, three depths, one without
+    rows = [line for line in text.splitlines() if line.startswith("| 2 |")]
+    assert len(rows) == 7 + 6 + 4 + 2
+    of_configuration_3 = {rows[i].split("|")[3] for i in (2, 9, 15, 18)}
+    assert len(of_configuration_3) == 1  # it is in all four panels
     assert (out / "ablation.png").is_file()
     before = (out / "ablation.json").stat().st_mtime_ns
     assert run_ablation({2: store.path}, budget, out) == text
     assert (out / "ablation.json").stat().st_mtime_ns == before
     with pytest.raises(InputError, match="another budget"):
         run_ablation({2: store.path}, replace(budget, epochs=2), out)
+    old = json.loads((out / "ablation.json").read_text())
+    losses = {f"(2, {c}, 0)": Trial(Layout(c, 2), 0).name for c in range(1, 13)}
+    old["losses"] = {old_name: old["losses"][n] for old_name, n in losses.items()}
+    (out / "ablation.json").write_text(json.dumps(old))  # as release 0.1 wrote it
+    panels = named_panels("aggregation, layer-type")
+    assert run_ablation({2: store.path}, budget, out, panels=panels) in text
+    with pytest.raises(InputError, match="panel must be all or one of"):
+        named_panels("width")
 
 
 @pytest.mark.usefixtures("small")

@@ -78,8 +78,15 @@ def ablate(
         typer.Option(help="Give the networks this width; the published one is 112."),
     ] = 112,
     precision: PrecisionOption = "float32",
+    panel: Annotated[
+        str,
+        typer.Option(
+            help="Change this, or several with commas between, or all: aggregation, "
+            "layer-type, depth, jumping-knowledge."
+        ),
+    ] = "all",
 ) -> None:
-    """Compare configurations 1 to 12 at a reduced budget; call it again to resume."""
+    """Compare the published network with others, small; call it again to resume."""
     with progress("ablation") as move:
         table = stages.ablate(
             out,
@@ -91,6 +98,7 @@ def ablate(
             split=split,
             width=width,
             precision=precision,
+            panel=panel,
             progress=move,
         )
     print(table)

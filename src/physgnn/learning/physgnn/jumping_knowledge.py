@@ -78,6 +78,21 @@ class JumpingKnowledge(nn.Module):
         return scores.view(len(layers), *layers[0].shape[:2])
 
 
+class LastLayer(nn.Module):
+    """The last layer alone, in the place of attention over all of them."""
+
+    def forward(
+        self,
+        layers: Sequence[Tensor],
+        common: Sequence[Tensor] | None = None,
+        rows: Tensor | None = None,
+    ) -> Tensor:
+        """Return the last layer's output; arguments as of `JumpingKnowledge`."""
+        if rows is not None:
+            layers, common = _on_rows(layers, common, rows)
+        return layers[-1] if common is None else filled(layers[-1], common[-1])
+
+
 def _on_rows(
     layers: Sequence[Tensor], common: Sequence[Tensor] | None, rows: Tensor
 ) -> tuple[Sequence[Tensor], Sequence[Tensor] | None]:

@@ -10,6 +10,7 @@ from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.network import Network
 from physgnn.learning.physgnn.features import load_features, physical_property
 from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
+from physgnn.learning.physgnn.layout import PUBLISHED_DEPTH, Layout
 from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.physgnn.normalization import Normalizer
 from physgnn.learning.physgnn.precision import set_precision
@@ -27,11 +28,15 @@ class PhysGNNModel(Network):
     ----------
     body : Body
         What it's made for.
-    configuration, dataset, width : int
-        See :class:`physgnn.learning.physgnn.network.PhysGNN`.
+    configuration, dataset : int
+        See :class:`physgnn.learning.physgnn.layout.Layout`.
+    width : int
+        Columns between layers, even.
     normaliser : {"training", "published"}
         Fit mean and deviation to the training samples only, or, as was published, to
         the whole dataset, held-out samples included.
+    depth, jumping_knowledge
+        What was left out of the published network: see `Layout`.
     """
 
     def __init__(
@@ -42,6 +47,8 @@ class PhysGNNModel(Network):
         dataset: int = 2,
         width: int = 112,
         normaliser: str = "training",
+        depth: int = PUBLISHED_DEPTH,
+        jumping_knowledge: bool = True,
     ) -> None:
         super().__init__(body)
         if normaliser not in NORMALISERS:
@@ -51,7 +58,8 @@ class PhysGNNModel(Network):
         self.fits_on_everything = normaliser == "published"
         self.property = physical_property(body.mesh, body.fixed)
         self.normalizer = Normalizer()
-        self.network = PhysGNN(configuration, dataset, width)
+        layout = Layout(configuration, dataset, depth, jumping_knowledge)
+        self.network = PhysGNN(layout, width)
 
     def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Fit the normaliser."""
@@ -80,15 +88,14 @@ class PhysGNNModel(Network):
 
         What they know of the far field is of that mesh, and has to be learnt anew.
         """
-        kind = (self.network.configuration, self.network.dataset, self.network.width)
         if not isinstance(other, PhysGNNModel):
             raise InputError("a PhysGNN can only begin with the weights of a PhysGNN")
-        theirs = other.network
-        if kind != (theirs.configuration, theirs.dataset, theirs.width):
+        mine, theirs = self.network, other.network
+        if (mine.layout, mine.width) != (theirs.layout, theirs.width):
             raise InputError(
-                "configuration, dataset and width must be those of the run to begin "
-                f"with, {theirs.configuration}, {theirs.dataset} and {theirs.width} "
-                f"(got {', '.join(map(str, kind))})"
+                "its options must be those of the run to begin with, "
+                f"{theirs.layout}, width {theirs.width} (got {mine.layout}, width "
+                f"{mine.width})"
             )
         self.network.load_state_dict(theirs.state_dict())
 

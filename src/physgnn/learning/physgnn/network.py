@@ -1,6 +1,6 @@
 """PhysGNN as published: six convolutions, two attentions over layers, a small head."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from torch import Tensor, nn
 
@@ -9,31 +9,12 @@ from physgnn.learning.cpu import only_side_by_side
 from physgnn.learning.graph import Graph
 from physgnn.learning.physgnn.convolution import Convolution
 from physgnn.learning.physgnn.dropout import SampleDropout
-from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
+from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge, LastLayer
+from physgnn.learning.physgnn.layout import N_BLOCKS, Layout
 from physgnn.learning.physgnn.pruning import Pruning, Rest, filled
 
 N_INPUTS = 7
-LAYERS_A_BLOCK = 3
-N_LAYERS = 6
-
-# Configuration: layer types (G GraphConv, weighted edges; S SAGEConv, plain ones) and
-# the aggregations (a add, m max) of the six layers on dataset 1 and on dataset 2.
-# Salehi & Giannacopoulos 2022, tables 3 and 4.
-CONFIGURATIONS: Mapping[int, tuple[str, str, str]] = {
-    1: ("GGGSSS", "mmmmmm", "mmmmmm"),
-    2: ("GGGSSS", "ammmmm", "ammmmm"),
-    3: ("GGGSSS", "aammmm", "aammmm"),
-    4: ("GGGSSS", "aaammm", "aaammm"),
-    5: ("GGGSSS", "aaaamm", "aaaamm"),
-    6: ("GGGSSS", "aaaaam", "aaaaam"),
-    7: ("GGGSSS", "aaaaaa", "aaaaaa"),
-    8: ("GSSSSS", "ammmmm", "aammmm"),
-    9: ("GGSSSS", "ammmmm", "aammmm"),
-    10: ("GGGGSS", "ammmmm", "aammmm"),
-    11: ("GGGGGS", "ammmmm", "aammmm"),
-    12: ("GGGGGG", "ammmmm", "aammmm"),
-}
-_AGGREGATION = {"a": "add", "m": "max"}
+PUBLISHED = Layout()
 
 
 class PhysGNN(nn.Module):
@@ -41,45 +22,40 @@ class PhysGNN(nn.Module):
 
     Parameters
     ----------
-    configuration : int
-        A row of ``CONFIGURATIONS``.
-    dataset : {1, 2}
-        Which of the row's aggregations.
+    layout : Layout
+        Its layers; by default those of configuration 3 on dataset 2.
     width : int
         Columns between layers, even.
 
     Raises
     ------
     InputError
-        If there is no such configuration, dataset or width.
+        If the width is not even and positive.
     """
 
-    def __init__(
-        self, configuration: int = 3, dataset: int = 2, width: int = 112
-    ) -> None:
+    def __init__(self, layout: Layout = PUBLISHED, width: int = 112) -> None:
         super().__init__()
-        _check(configuration, dataset, width)
-        self.configuration, self.dataset, self.width = configuration, dataset, width
-        layers, *aggregations = CONFIGURATIONS[configuration]
-        inputs = [N_INPUTS] + [width] * (len(layers) - 1)
+        if width < 2 or width % 2:
+            raise InputError(f"width must be even and positive (got {width})")
+        self.layout, self.width = layout, width
+        inputs = [N_INPUTS] + [width] * (layout.depth - 1)
         self.convolutions = nn.ModuleList(
-            Convolution(
-                n, width, weighted=layer == "G", aggregation=_AGGREGATION[letter]
-            )
-            for n, layer, letter in zip(
-                inputs, layers, aggregations[dataset - 1], strict=True
-            )
+            Convolution(n, width, weighted=weighted, aggregation=aggregation)
+            for n, (weighted, aggregation) in zip(inputs, layout.layers, strict=True)
         )
-        self.activations = nn.ModuleList(nn.PReLU(width) for _ in layers)
+        self.activations = nn.ModuleList(nn.PReLU(width) for _ in inputs)
         self.attentions = nn.ModuleList(
-            JumpingKnowledge(width, LAYERS_A_BLOCK) for _ in range(2)
+            JumpingKnowledge(width, layout.layers_a_block)
+            if layout.jumping_knowledge
+            else LastLayer()
+            for _ in range(N_BLOCKS)
         )
         narrow = width * 9 // 16
         self.head = nn.Sequential(
             nn.Linear(width, narrow), nn.PReLU(narrow), SampleDropout(0.1),
             nn.Linear(narrow, 3),
         )  # fmt: skip
-        self.pruning = Pruning(N_LAYERS)
+        self.pruning = Pruning(layout.depth)
 
     def forward(self, x: Tensor, graph: Graph, points: Tensor | None = None) -> Tensor:
         """Return displacement in mm.
@@ -113,9 +89,9 @@ class PhysGNN(nn.Module):
 
     def _unpruned(self, x: Tensor, graph: Graph, points: Tensor | None) -> Tensor:
         if points is None:
-            return self.outputs(x, [graph] * N_LAYERS)[-1]
+            return self.outputs(x, [graph] * self.layout.depth)[-1]
         rows, place = points.sort()
-        last = self.outputs(x, [graph] * N_LAYERS, rows=rows)[-1]
+        last = self.outputs(x, [graph] * self.layout.depth, rows=rows)[-1]
         return last[:, place.argsort()]
 
     def outputs(
@@ -131,7 +107,7 @@ class PhysGNN(nn.Module):
         ----------
         x : (batch, n_points, 7) tensor
             Standardised features.
-        graphs : six graphs
+        graphs : sequence of Graph
             One a layer; its rows are the points whose output is wanted.
         rest : callable, optional
             Gives the rows of outputs that a layer needs and that weren't wanted.
@@ -140,20 +116,20 @@ class PhysGNN(nn.Module):
 
         Returns
         -------
-        list of ten (batch, rows, columns) tensors
-            Input, three layers, their attention, three layers, their attention, head.
+        list of (batch, rows, columns) tensors
+            Input, half of the layers, their attention, the others, theirs, head: ten.
         """
-        found = [x]
+        found, of_block = [x], self.layout.layers_a_block
         for block, attention in enumerate(self.attentions):
-            first = block * LAYERS_A_BLOCK
-            for index in range(first, first + LAYERS_A_BLOCK):
+            first = block * of_block
+            for index in range(first, first + of_block):
                 n, place = graphs[index].n_columns, len(found) - 1
                 x = found[-1][:, :n]
                 if rest is not None:
                     x = filled(x, rest(place, x.shape[1], n))
                 x = self.convolutions[index](x, graphs[index])
                 found.append(_by_column(self.activations[index], x))
-            places = range(len(found) - LAYERS_A_BLOCK, len(found))
+            places = range(len(found) - of_block, len(found))
             n = graphs[index].n_points
             layers = [found[place][:, :n] for place in places]
             others = rest and [
@@ -172,12 +148,3 @@ def _by_column(activation: nn.Module, x: Tensor) -> Tensor:
     """Apply PReLU, which takes the second dimension for the columns."""
     activated: Tensor = activation(x.flatten(0, 1))
     return activated.view_as(x)
-
-
-def _check(configuration: int, dataset: int, width: int) -> None:
-    if configuration not in CONFIGURATIONS:
-        raise InputError(f"configuration must be 1…12 (got {configuration})")
-    if dataset not in (1, 2):
-        raise InputError(f"dataset must be 1 or 2 (got {dataset})")
-    if width < 2 or width % 2:
-        raise InputError(f"width must be even and positive (got {width})")

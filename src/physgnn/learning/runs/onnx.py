@@ -16,7 +16,7 @@ from physgnn.io.integrity.atomic import whole_file
 from physgnn.learning.graph import Graph, graph_of
 from physgnn.learning.physgnn.convolution import Convolution
 from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
-from physgnn.learning.physgnn.network import LAYERS_A_BLOCK, PhysGNN
+from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.runs.checkpoint import Checkpoint
 
 OPSET = 18
@@ -101,14 +101,15 @@ class PlainPhysGNN(nn.Module):
         """Return displacement in mm, (n_points, 3), for features (n_points, 7)."""
         network = self.network
         layers = list(zip(network.convolutions, network.activations, strict=True))
+        of_block = network.layout.layers_a_block
         for block, attention in enumerate(network.attentions):
-            first, found = block * LAYERS_A_BLOCK, []
-            for convolution, activation in layers[first : first + LAYERS_A_BLOCK]:
+            first, found = block * of_block, []
+            for convolution, activation in layers[first : first + of_block]:
                 assert isinstance(convolution, Convolution)
                 x = activation(self._convolve(convolution, x))
                 found.append(x)
-            assert isinstance(attention, JumpingKnowledge)
-            x = _attend(attention, found)
+            if isinstance(attention, JumpingKnowledge):
+                x = _attend(attention, found)
         displacement: Tensor = network.head(x)
         return displacement
 

@@ -1,4 +1,4 @@
-"""The paper's two ablations, small: which aggregation, and which type of layer."""
+"""The paper's ablations, small: aggregation, layer type, depth, jumping knowledge."""
 
 import gc
 import json
@@ -17,6 +17,15 @@ from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.training_run import train
 from physgnn.progress import Progress
+from physgnn.stages.experiments.ablation_panels import (
+    ALL,
+    PANELS,
+    Panel,
+    Trial,
+    name_of,
+    named_panels,
+    trials_of,
+)
 from physgnn.stages.experiments.pipeline import can_resume
 from physgnn.stages.outputs import FOLDER, writes
 
@@ -26,10 +35,6 @@ if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need
 RESULTS = "ablation.json"
 FIGURE = "ablation.png"
 BATCH_SIZE = {1: 4, 2: 8}  # as published
-# Replaced layers → configuration, of dataset 1 and of dataset 2. Layer types are tried
-# with each dataset's best aggregation, of which a row of the first ablation is part.
-AGGREGATION = {k: (k + 1, k + 1) for k in range(7)}
-LAYER_TYPE = {1: (8, 8), 2: (9, 9), 3: (2, 3), 4: (10, 10), 5: (11, 11), 6: (12, 12)}
 
 
 @dataclass(frozen=True)
@@ -86,9 +91,10 @@ def ablate(
     split: str = "published",
     width: int = 112,
     precision: str = "float32",
+    panel: str = ALL,
     progress: Progress | None = None,
 ) -> str:
-    """Compare configurations 1 to 12 at a reduced budget; a second call resumes.
+    """Compare configurations 1 to 12 and others at a reduced budget; call to resume.
 
     Parameters
     ----------
@@ -98,6 +104,9 @@ def ablate(
         Datasets of presets ``paper-1`` and ``paper-2``: one of them, or both.
     epochs, samples, seeds, split, width, precision
         See `Ablation`.
+    panel : str
+        What to change: rows of `physgnn.stages.experiments.ablation_panels.PANELS`
+        with commas between, or ``all``.
     progress : callable, optional
         Called after every network.
 
@@ -109,14 +118,16 @@ def ablate(
     Raises
     ------
     InputError
-        If no dataset is given, or the folder's results are of another budget.
+        If no dataset is given, there is no such panel, or the folder's results are of
+        another budget.
     """
     given = {1: dataset_1, 2: dataset_2}
     stores = {number: path for number, path in given.items() if path is not None}
     if not stores:
         raise InputError("give --dataset-1, --dataset-2 or both")
     budget = Ablation(epochs, samples, seeds, split, width, precision)
-    return run_ablation(stores, budget, out, progress=progress)
+    panels = named_panels(panel)
+    return run_ablation(stores, budget, out, panels=panels, progress=progress)
 
 
 def run_ablation(
@@ -124,6 +135,7 @@ def run_ablation(
     budget: Ablation,
     folder: str | Path,
     *,
+    panels: Mapping[str, Panel] = PANELS,
     progress: Progress | None = None,
 ) -> str:
     """Train what is not trained yet; draw ``ablation.png`` and return a table.
@@ -137,6 +149,8 @@ def run_ablation(
     folder : path
         Gets a run folder a network, ablation.json and the figure. Two processes may
         share it, one a dataset; a last call with both draws them.
+    panels : mapping
+        What to change: rows of ``PANELS``.
     progress : callable, optional
         Called after every network.
 
@@ -148,28 +162,22 @@ def run_ablation(
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     found = _read(folder, budget)
-    runs = [
-        (dataset, configuration, seed)
-        for seed in range(budget.seeds)  # one of each soon makes a whole figure
-        for dataset in sorted(stores)
-        for configuration in range(1, 13)
-    ]
-    for done, run in enumerate(runs):
-        if str(run) not in found:
-            loss = _loss(stores[run[0]], run, budget, folder)
+    trials = trials_of(panels, list(stores), budget.seeds)
+    for done, trial in enumerate(trials):
+        if trial.name not in found:
+            loss = _loss(stores[trial.layout.dataset], trial, budget, folder)
             # Another process may do the other dataset, into the same folder.
-            found = {**_read(folder, budget), str(run): loss}
+            found = {**_read(folder, budget), trial.name: loss}
             _write(folder, budget, found)
             gc.collect()  # Lightning leaves rings of references, to gigabytes of ours
         if progress is not None:
-            progress(done + 1, len(runs), "dataset {}, configuration {}".format(*run))
-    losses = {run: found[str(run)] for run in runs}
-    panels = {
-        "Layers that add instead of taking the maximum": _points(losses, AGGREGATION),
-        "Layers that weigh edges (GraphConv)": _points(losses, LAYER_TYPE),
+            progress(done + 1, len(trials), trial.name)
+    drawn = {
+        panel.title: _points(panel, sorted(stores), budget.seeds, found)
+        for panel in panels.values()
     }
-    draw_ablation(panels, folder / FIGURE)
-    return table(panels)
+    draw_ablation(drawn, folder / FIGURE)
+    return table(drawn)
 
 
 def table(panels: Mapping[str, "Sequence[Point]"]) -> str:
@@ -188,41 +196,33 @@ def table(panels: Mapping[str, "Sequence[Point]"]) -> str:
 
 
 def _points(
-    losses: Mapping[tuple[int, int, int], float], rows: Mapping[int, tuple[int, int]]
+    panel: Panel, datasets: Sequence[int], seeds: int, found: Mapping[str, float]
 ) -> "list[Point]":
     from physgnn.evaluation.report.plots.ablation_chart import Point
 
     return [
-        Point(dataset, replaced, tuple(losses[run] for run in runs))
-        for dataset in sorted({run[0] for run in losses})
-        for replaced, configurations in rows.items()
-        if (
-            runs := [
-                r for r in losses if r[:2] == (dataset, configurations[dataset - 1])
-            ]
+        Point(
+            dataset,
+            number,
+            tuple(found[Trial(pair[dataset - 1], seed).name] for seed in range(seeds)),
         )
+        for dataset in datasets
+        for number, pair in panel.layouts.items()
     ]
 
 
-def _loss(
-    path: str | Path, run: tuple[int, int, int], budget: Ablation, folder: Path
-) -> float:
-
-    dataset, configuration, seed = run
+def _loss(path: str | Path, trial: Trial, budget: Ablation, folder: Path) -> float:
     store = Store.open(path, cache_bytes=128 * 2**20)
     config = TrainingConfig(
-        options={
-            "configuration": configuration,
-            "dataset": dataset,
-            "width": budget.width,
-        },
-        batch_size=BATCH_SIZE[dataset],
+        options={**trial.options, "width": budget.width},
+        batch_size=BATCH_SIZE[trial.layout.dataset],
         schedule="cosine",  # so few epochs have no plateaus
         max_epochs=budget.epochs,
-        seed=seed,
-        precision=budget.precision,
+        seed=trial.seed,
+        # only jumping knowledge has products in another precision
+        precision=budget.precision if trial.layout.jumping_knowledge else "float32",
     )
-    out = folder / f"dataset-{dataset}-configuration-{configuration}-seed-{seed}"
+    out = folder / trial.name
     resumed = can_resume(RunFolder(out))
     checkpoint = train(store, budget.part_of(store), config, out, resume=resumed)
     return float(checkpoint.record["training"]["best_validation_loss"])
@@ -238,7 +238,7 @@ def _read(folder: Path, budget: Ablation) -> dict[str, Any]:
             f"{folder} holds an ablation of another budget ({record['budget']}): "
             "repeat that, or name another folder"
         )
-    return dict(record["losses"])
+    return {name_of(key): loss for key, loss in record["losses"].items()}
 
 
 def _write(folder: Path, budget: Ablation, losses: Mapping[str, float]) -> None:
