@@ -91,13 +91,13 @@ def check_options(command: str, given: Collection[str], shown: Shown) -> None:
     given : collection of str
         Arguments that the user named, not those with a default.
     shown : callable
-        From an argument to what the user wrote for it.
+        From an argument to what the user wrote for it; empty if they cannot give it.
     """
     for name, rule in RULES.get(command, {}).items():
         if name not in given:
             continue
         if rule.needs and not any(other in given for other in rule.needs):
-            needed = " or ".join(shown(other) for other in rule.needs)
+            needed = " or ".join(filter(None, map(shown, rule.needs)))
             raise InputError(
                 f"{shown(name)} is of no use without {needed}: give that too, or leave "
                 f"{shown(name)} out"
