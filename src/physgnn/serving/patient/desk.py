@@ -88,7 +88,7 @@ class RegisteredShift:
     file, misfits : Path
         What ``physgnn register`` wrote, and what its ``--misfits`` did.
     notes : tuple of str
-        What it said: points left out, outliers.
+        What it said but for the outliers: points left out, that no bone was measured.
     """
 
     found: "Registration"

@@ -140,7 +140,8 @@ def states_of(
 ) -> list[dict[str, ReceivedFile]]:
     """Return what was measured of each state, a file a role.
 
-    `names` are those of the roles on the page. A role with one file counts in every state; roles with several have one a state.
+    `names` are those of the roles on the page. A role with one file counts in every
+    state; roles with several have one a state.
 
     Raises
     ------

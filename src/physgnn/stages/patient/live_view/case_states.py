@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from physgnn.errors import InputError
 from physgnn.stages.patient.intraoperative.measured_files import MeasuredFiles
-from physgnn.stages.patient.intraoperative.one_state import HowToRegister
+from physgnn.stages.patient.intraoperative.one_state import OUTLIER, HowToRegister
 from physgnn.stages.patient.intraoperative.patient_body import PatientBody
 from physgnn.stages.patient.intraoperative.scan_surface import ScanOptions
 from physgnn.stages.patient.intraoperative.state_series import StateSeries
@@ -103,7 +103,11 @@ def registered(
                 found=series.last,
                 file=folder / f"{row.name}.vtu",
                 misfits=folder / f"{row.name}-misfits.csv",
-                notes=tuple(_note(line, row, named, folder) for line in said),
+                notes=tuple(
+                    _note(line, folder, named)
+                    for line in (line.removeprefix(f"{row.name}: ") for line in said)
+                    if not line.startswith(OUTLIER)  # misfits say so
+                ),
             )
         elif len(rows) > 1:
             yield FailedState(in_page_words(result.reason))
@@ -111,10 +115,9 @@ def registered(
             raise InputError(in_page_words(result.reason))
 
 
-def _note(line: str, row: StateRow, named: Callable[[str], str], folder: Path) -> str:
+def _note(line: str, folder: Path, named: Callable[[str], str]) -> str:
     """Return what was said of a state as the page says it."""
-    text = line.removeprefix(f"{row.name}: ").replace(f"{folder}/", "the saved ")
-    return in_page_words(named(text))
+    return in_page_words(named(line.replace(f"{folder}/", "the saved ")))
 
 
 def _named(text: str, *, state: "MeasuredState", folder: Path) -> str:
