@@ -56,7 +56,9 @@ RULES: Mapping[str, Mapping[str, OptionRule]] = {
         "transformed": OptionRule(("initial_transform", "series")),
         "landmark_noise_mm": OptionRule(("landmarks", "series")),
         "surface_noise_mm": OptionRule(("surface", "series")),
-        "whole_surface_noise_mm": OptionRule(("whole_surface", "intraoperative", "series")),
+        "whole_surface_noise_mm": OptionRule(
+            ("whole_surface", "intraoperative", "series")
+        ),
         "bone_noise_mm": OptionRule(("bone", "series")),
         **_all_need(
             ("backend", "contrast", "picture", "any_size"), "intraoperative", "series"

@@ -53,7 +53,7 @@ ROLES: Mapping[str, Role] = {
     "before": Role("points before", "points"),
     "after": Role("points after", "target"),
     "surface": Role("exposed surface", "surface"),
-    "landmarks": Role("pairs inside the brain", "landmarks"),
+    "landmarks": Role("pairs of landmarks", "landmarks"),
     "landmarks before": Role("landmarks before", "landmarks"),
     "landmarks after": Role("landmarks after", "landmarks_target"),
     "whole surface": Role("whole surface", "whole_surface"),
