@@ -16,12 +16,15 @@ const DRIVER = /GL Driver Message .*Performance/;
 
 const browser = await launcher.launch({ executablePath: chromium, args: FLAGS });
 const page = await browser.newPage({ viewport: { width: 1100, height: 1000 }, hasTouch: true });
-const saw = { errors: [], elsewhere: [] };
+const saw = { errors: [], elsewhere: [], asked: [] };
 page.on("console", (m) => {
   if (["error", "warning"].includes(m.type()) && !DRIVER.test(m.text())) saw.errors.push(m.text());
 });
 page.on("pageerror", (e) => saw.errors.push(String(e)));
 page.on("request", (r) => { if (!r.url().startsWith(url) && !r.url().startsWith("blob:")) saw.elsewhere.push(r.url()); });
+page.on("websocket", (socket) => socket.on("framesent", ({ payload }) => {
+  if (String(payload).includes('"type":"register"')) saw.asked.push(JSON.parse(payload));
+}));
 
 const text = (id) => page.locator(`#${id}`).textContent();
 const settled = (id, pattern) => page.waitForFunction(
@@ -67,6 +70,39 @@ const contrast = () => page.evaluate(() => {
   }
   return { ...worst, texts };
 });
+/** What lies over something else, or is wider than its place, in windows of some widths. */
+async function misplaced() {
+  const before = page.viewportSize(), found = [];
+  for (const width of [400, 800, 1400]) {
+    await page.setViewportSize({ width, height: 800 });
+    await drawn();
+    found.push(...await page.evaluate((width) => {
+      const shown = (element) => element.checkVisibility({ opacityProperty: true, visibilityProperty: true });
+      const over = ["main header", "#hint:not(.done)", "#reasons li", "#legend", "#speed", "#message"]
+        .flatMap((name) => [...document.querySelectorAll(name)].map((element) => [name, element]))
+        .filter(([, element]) => shown(element) && element.textContent.trim())
+        .map(([name, element]) => [name, element.getBoundingClientRect()]);
+      const faults = over.flatMap(([name, a], i) => over.slice(i + 1)
+        .filter(([, b]) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1)
+        .map(([other]) => `${width}: ${name} over ${other}`));
+      const stage = document.getElementById("stage").getBoundingClientRect();
+      for (const [name, box] of over) {
+        if (box.left < stage.left || box.right > stage.right || box.bottom > stage.bottom) faults.push(`${width}: ${name} outside`);
+      }
+      for (const element of document.querySelectorAll("aside, aside *:not(select, option, input, #state-marks *)")) {
+        if (shown(element) && element.clientWidth && element.scrollWidth > element.clientWidth + 1) {
+          faults.push(`${width}: ${element.tagName} ${element.id || element.textContent.trim().slice(0, 40)} is cut`);
+        }
+      }
+      return faults;
+    }, width));
+  }
+  await page.setViewportSize(before);
+  await drawn();
+  return found;
+}
+const menus = () => page.locator("#menus label").evaluateAll((all) => Object.fromEntries(all.map(
+  (one) => [one.querySelector("select").id, one.checkVisibility() ? [...one.querySelectorAll("option")].map((o) => o.text) : null])));
 const theme = () => page.evaluate(() => [document.documentElement.dataset.theme, getComputedStyle(document.body).backgroundColor]);
 /** Drop files on the page as a file manager does. */
 async function drop(...names) {
@@ -86,6 +122,8 @@ await page.goto(url);
 await page.waitForSelector("body[data-ready=yes]", WAIT);
 await drawn();
 saw.note = await text("note");
+saw.misplaced = { rest: await misplaced() };
+saw.menus = { rest: await menus() };
 
 // the craniotomy: a click, the radius, opened
 await page.click("#pick");
@@ -111,6 +149,17 @@ await drop("broken.csv");
 await page.click("#register");
 await settled("registered", /broken\.csv/);
 saw.broken = await text("registered");
+await page.click("#files button");
+
+// a scan calls for its contrast, a transform for what it takes along
+await drop("scan.nii.gz");
+saw.menus.scan = await menus();
+await page.locator("#contrast").selectOption("flair");
+await page.click("#register");
+await settled("registered", /scan\.nii\.gz/);
+saw.scan = await text("registered");
+await page.locator("#files select").selectOption("surface");
+saw.menus.noScan = await menus();
 await page.click("#files button");
 
 // what was measured, registered, saved
@@ -139,6 +188,7 @@ await picture("registration.png");
 await page.emulateMedia({ colorScheme: "light" });
 saw.light = { theme: await theme(), contrast: await contrast() };
 await picture("registration-light.png");
+saw.misplaced.registered = await misplaced();
 await page.click("#keep");
 await settled("registered", /Saved/);
 saw.saved = await text("registered");
@@ -162,6 +212,8 @@ saw.adapted = { note: await text("note"), opened: await text("opened"),
 // a series
 await drop("state-2.csv", "state-10.csv", "tracker.txt");
 await page.click("label:has(#rigid-offset)");
+saw.menus.transform = await menus();
+await page.locator("#transformed").selectOption("after");
 saw.guessed = await page.locator("#files select").evaluateAll((all) => all.map((one) => one.value));
 saw.order = await page.locator("#files .name").allInnerTexts();
 await page.click("#register");
@@ -174,6 +226,31 @@ await picture("series.png");
 await page.click("#keep");
 await settled("registered", /Saved/);
 saw.series = await text("registered");
+
+// one more state, which fails
+await drop("broken.csv");
+await page.click("#register");
+await page.waitForFunction(() => window.physgnn.predictions.registration?.states === 4, null, WAIT);
+saw.failed = {
+  shown: await page.evaluate(() => window.physgnn.predictions.registration.name),
+  lines: await page.locator("#failed li").allInnerTexts(),
+  marks: await page.locator("#state-marks i").evaluateAll((all) => all.map((one) => one.title)),
+};
+await page.locator("#state").fill("1");
+Object.assign(saw.failed, {
+  value: await text("state-value"), chip: await text("chip"), source: await text("source"),
+  reasons: await page.locator("#reasons li").allInnerTexts(),
+  predictions: await page.evaluate(() => Object.keys(window.physgnn.predictions)),
+  misfits: await page.locator("#misfits-csv").isVisible(),
+});
+saw.misplaced.failed = await misplaced();
+await picture("failed.png");
+await page.locator("#state").fill("3");
+await page.waitForFunction(() => window.physgnn.predictions.registration?.state === 2, null, WAIT);
+saw.failed.next = { chip: await text("chip"), source: await text("source"), misfits: await page.locator("#misfits-csv").isVisible() };
+await page.click("#keep");
+await settled("registered", /Saved/);
+saw.failed.saved = await text("registered");
 
 // the theme that is chosen stays
 await page.click("#themes label:has([value=dark])");

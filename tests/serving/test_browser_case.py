@@ -63,6 +63,7 @@ def write_measured(engine: Engine, folder: Path) -> None:
         pairs = csv_of(sunk_pairs(engine.viewed.body.mesh, depth))
         (folder / f"{name}.csv").write_bytes(pairs)
     np.savetxt(folder / "tracker.txt", np.eye(4))
+    (folder / "scan.nii.gz").write_bytes(b"this is no image")
     (folder / "broken.csv").write_text("1,2,3,4,5,x\n")
     (folder / "picture.gif").write_bytes(b"GIF89a")
 
@@ -94,6 +95,29 @@ def test_a_click_opens_the_skull_and_keeps_the_case_file(
 def test_what_is_no_measured_file_is_one_clear_line(saw: dict[str, Any]) -> None:
     assert saw["refused"].startswith("picture.gif: measured files end in .csv")
     assert saw["broken"].startswith("broken.csv: point 1 must be 6 numbers")
+
+
+def test_a_menu_is_there_where_a_file_calls_for_it(saw: dict[str, Any]) -> None:
+    nothing = {"contrast": None, "transformed": None}
+    contrasts = ["T1", "T1 with contrast agent", "T2", "FLAIR"]
+    ends = ["points before and after", "points after, not before"]
+    assert saw["menus"] == {
+        "rest": nothing,
+        "scan": {**nothing, "contrast": contrasts},
+        "noScan": nothing,
+        "transform": {**nothing, "transformed": ends},
+    }
+    asked = [one["chosen"] for one in saw["asked"]]
+    after = {"transformed": "after"}
+    assert asked == [{}, {"contrast": "flair"}, {}, after, after]
+    assert saw["scan"].startswith("scan.nii.gz: expected a NIfTI image")
+
+
+@pytest.mark.parametrize("when", ["rest", "registered", "failed"])
+def test_nothing_is_cut_or_covered_in_narrow_windows(
+    saw: dict[str, Any], when: str
+) -> None:
+    assert saw["misplaced"][when] == []
 
 
 def test_a_dropped_file_is_registered_shown_and_saved(
@@ -172,3 +196,24 @@ def test_a_series_is_saved_as_the_folder_of_the_command(
     assert [row["name"] for row in rows] == ["pairs", "state-2", "state-10"]
     assert all((kept / f"{row['name']}-misfits.csv").is_file() for row in rows)
     assert pv.PVDReader(kept / "series.pvd").time_values == [1.0, 2.0, 3.0]
+
+
+def test_a_failed_state_is_marked_and_the_others_are_shown(
+    saw: dict[str, Any], folder: Path
+) -> None:
+    failed = saw["failed"]
+    assert failed["shown"] == "state-10.csv + tracker.txt"
+    (line,) = failed["lines"]
+    assert line.startswith("State 1, broken.csv: point 1 must be 6 numbers")
+    assert failed["marks"] == [line, "", "", ""]
+    assert failed["value"] == "1 of 4, failed"
+    assert failed["chip"] == "not registered"
+    assert failed["source"] == "broken.csv + tracker.txt"
+    assert failed["reasons"] == [line.removeprefix("State 1, ")]
+    assert failed["predictions"] == [] and not failed["misfits"]
+    assert failed["next"]["misfits"] and failed["next"]["chip"] != "not registered"
+    assert "state-2.csv" in failed["next"]["source"]
+    assert failed["saved"].endswith("states-2/.")
+    table = (folder / "kept" / "states-2" / "results.csv").read_text().splitlines()
+    assert table[1].startswith("broken,,failed,")
+    assert not (folder / "kept" / "states-2" / "broken.vtu").exists()

@@ -38,6 +38,12 @@ def test_an_option_of_no_use_is_refused(command: str, name: str, rule: object) -
             check_options(command, given, "<{}>".format)
 
 
+def test_what_one_cannot_give_is_not_asked_for() -> None:
+    shown = {"contrast": "the contrast", "intraoperative": "a scan"}
+    with pytest.raises(InputError, match=r"the contrast is .* without a scan: give"):
+        check_options("register", ["contrast"], lambda name: shown.get(name, ""))
+
+
 def test_other_commands_and_options_are_free() -> None:
     check_options("warp", ["image", "labels"], str)
     check_options("register", ["points", "noise_mm"], str)

@@ -10,11 +10,9 @@ from dataclasses import dataclass
 
 from physgnn.errors import InputError
 
-Shown = Callable[[str], str]
-
 
 @dataclass(frozen=True)
-class Rule:
+class OptionRule:
     """What an option needs, and what it is of no use beside; names of arguments.
 
     Attributes
@@ -29,15 +27,15 @@ class Rule:
     useless_with: tuple[str, ...] = ()
 
 
-def _all_need(options: Sequence[str], *needs: str) -> dict[str, Rule]:
-    return {name: Rule(needs) for name in options}
+def _all_need(options: Sequence[str], *needs: str) -> dict[str, OptionRule]:
+    return {name: OptionRule(needs) for name in options}
 
 
-def _none_beside(options: Sequence[str], *others: str) -> dict[str, Rule]:
-    return {name: Rule(useless_with=others) for name in options}
+def _none_beside(options: Sequence[str], *others: str) -> dict[str, OptionRule]:
+    return {name: OptionRule(useless_with=others) for name in options}
 
 
-RULES: Mapping[str, Mapping[str, Rule]] = {
+RULES: Mapping[str, Mapping[str, OptionRule]] = {
     "mesh": {
         **_all_need(
             (
@@ -46,42 +44,46 @@ RULES: Mapping[str, Mapping[str, Rule]] = {
             ),
             "segmentation",
         ),
-        "tumour": Rule(("brain",)),
+        "tumour": OptionRule(("brain",)),
         **_none_beside(("max_volume_mm3", "keep_surface"), "segmentation"),
     },
-    "segment": {"tumour_labels": Rule(("tumour",))},
-    "predict": {"affine": Rule(("image",))},
+    "segment": {"tumour_labels": OptionRule(("tumour",))},
+    "predict": {"affine": OptionRule(("image",))},
     "register": {
-        "target": Rule(("points",), ("series",)),
-        "landmarks_target": Rule(("landmarks",), ("series",)),
-        "bone_target": Rule(("bone",), ("series",)),
-        "transformed": Rule(("initial_transform", "series")),
-        "landmark_noise_mm": Rule(("landmarks", "series")),
-        "surface_noise_mm": Rule(("surface", "series")),
-        "whole_surface_noise_mm": Rule(("whole_surface", "intraoperative", "series")),
-        "bone_noise_mm": Rule(("bone", "series")),
+        "target": OptionRule(("points",), ("series",)),
+        "landmarks_target": OptionRule(("landmarks",), ("series",)),
+        "bone_target": OptionRule(("bone",), ("series",)),
+        "transformed": OptionRule(("initial_transform", "series")),
+        "landmark_noise_mm": OptionRule(("landmarks", "series")),
+        "surface_noise_mm": OptionRule(("surface", "series")),
+        "whole_surface_noise_mm": OptionRule(
+            ("whole_surface", "intraoperative", "series")
+        ),
+        "bone_noise_mm": OptionRule(("bone", "series")),
         **_all_need(
             ("backend", "contrast", "picture", "any_size"), "intraoperative", "series"
         ),
-        "affine": Rule(("image", "intraoperative", "series")),
+        "affine": OptionRule(("image", "intraoperative", "series")),
     },
-    "uncertainty": {"wrong_mm": Rule(("wrong",))},
-    "view": {"igtl_surfaces": Rule(("igtl",)), "affine": Rule(("image",))},
-    "simulate": {"workers": Rule(useless_with=("scheduler",))},
+    "uncertainty": {"wrong_mm": OptionRule(("wrong",))},
+    "view": {"igtl_surfaces": OptionRule(("igtl",)), "affine": OptionRule(("image",))},
+    "simulate": {"workers": OptionRule(useless_with=("scheduler",))},
     "export": {
-        "path": Rule(("febio", "series")),
+        "path": OptionRule(("febio", "series")),
         **_all_need(("preset", "loads"), "febio"),
     },
-    "reproduce": {"tumour": Rule(("brain",))},
+    "reproduce": {"tumour": OptionRule(("brain",))},
     "benchmark": {
-        "data": Rule(("size",)),
+        "data": OptionRule(("size",)),
         **_none_beside(("task", "method", "size", "minutes", "seed"), "report"),
     },
 }  # fmt: skip
 """Function of `physgnn.stages` → argument → its rule."""
 
 
-def check_options(command: str, given: Collection[str], shown: Shown) -> None:
+def check_options(
+    command: str, given: Collection[str], shown: Callable[[str], str]
+) -> None:
     """Raise InputError if nothing would use one of the options that were given.
 
     Parameters
@@ -91,13 +93,13 @@ def check_options(command: str, given: Collection[str], shown: Shown) -> None:
     given : collection of str
         Arguments that the user named, not those with a default.
     shown : callable
-        From an argument to what the user wrote for it.
+        From an argument to what the user wrote for it; empty if they cannot give it.
     """
     for name, rule in RULES.get(command, {}).items():
         if name not in given:
             continue
         if rule.needs and not any(other in given for other in rule.needs):
-            needed = " or ".join(shown(other) for other in rule.needs)
+            needed = " or ".join(filter(None, map(shown, rule.needs)))
             raise InputError(
                 f"{shown(name)} is of no use without {needed}: give that too, or leave "
                 f"{shown(name)} out"

@@ -11,6 +11,7 @@ from physgnn.serving.patient.uploads import ReceivedFile, Uploads, states_of
 from physgnn.serving.protocol.patient_messages import MOST_FILES, MeasuredFile
 
 ROLES, SUFFIXES = ("pairs", "surface"), (".csv", ".mrk.json", ".stl")
+NAMES = {role: role.upper() for role in (*ROLES, "before", "after")}
 
 
 @pytest.fixture
@@ -101,15 +102,15 @@ def received(*roles: str) -> list[ReceivedFile]:
 
 
 def test_several_files_of_a_role_are_a_series() -> None:
-    states = states_of(received("before", "after", "after", "after"))
+    states = states_of(received("before", "after", "after", "after"), NAMES)
     assert [{role: f.name for role, f in s.items()} for s in states] == [
         {"before": "0", "after": name} for name in "123"
     ]
-    assert len(states_of(received("pairs", "surface"))) == 1
+    assert len(states_of(received("pairs", "surface"), NAMES)) == 1
 
 
 def test_a_series_of_unequal_parts_is_refused() -> None:
-    with pytest.raises(InputError, match=r"equally many .*2 pairs, 3 surface"):
-        states_of(received("pairs", "pairs", "surface", "surface", "surface"))
+    with pytest.raises(InputError, match=r"equally many .*2 PAIRS, 3 SURFACE"):
+        states_of(received("pairs", "pairs", "surface", "surface", "surface"), NAMES)
     with pytest.raises(InputError, match="nothing to register"):
-        states_of([])
+        states_of([], NAMES)

@@ -55,6 +55,7 @@ def socket(address: Address) -> Iterator[ClientConnection]:
         header, _ = frame(socket)
         assert header["patient"]["saves"]
         assert header["patient"]["roles"]["surface"] == "exposed surface"
+        assert header["patient"]["menus"]["contrast"]["roles"] == ["intraoperative"]
         assert "deviation" in header["fields"]
         yield socket
 
@@ -171,6 +172,88 @@ def test_a_series_has_a_state_a_file(
     assert "not registered" in frame(socket)[0]["text"]
 
 
+def test_a_failed_state_is_named_and_the_others_are_shown(
+    socket: ClientConnection, engine: Engine, tmp_path: Path
+) -> None:
+    pairs = csv_of(sunk_pairs(engine.viewed.body.mesh, 3.0))
+    for content, name in ((pairs, "a.csv"), (b"1,2,x\n", "b.csv"), (b"x", "c.csv")):
+        send_file(socket, content, name)
+    ask(socket, "register")
+    said = [frame(socket)[0] for _ in range(4)]
+    assert [one["kind"] for one in said] == ["registering"] * 3 + ["state"]
+    shown = said[3]
+    assert (shown["state"], shown["states"], shown["name"]) == (0, 3, "a.csv")
+    assert [(row["state"], row["name"]) for row in shown["failed"]] == [
+        (1, "b.csv"),
+        (2, "c.csv"),
+    ]
+    assert shown["failed"][0]["reason"].startswith("b.csv: point 1 must be")
+    for kind in ("state", "misfits"):
+        ask(socket, kind, state=1)
+        assert "b.csv could not be registered: b.csv" in frame(socket)[0]["text"]
+    ask(socket, "save")
+    assert frame(socket)[0]["files"] == ["case.vtu", "states/"]
+    kept = {file.name for file in (tmp_path / "kept" / "states").glob("*.vtu")}
+    assert kept == {"a.vtu"}
+
+
+def test_a_series_of_which_nothing_is_registered_says_why_of_each(
+    socket: ClientConnection,
+) -> None:
+    for name in ("a.csv", "b.csv"):
+        send_file(socket, b"1,2,x\n", name)
+    ask(socket, "register")
+    *_, last = (frame(socket)[0] for _ in range(3))
+    assert (last["kind"], last["states"]) == ("unregistered", 2)
+    for row, name in zip(last["failed"], ("a.csv", "b.csv"), strict=True):
+        assert row["name"] == name and row["reason"].startswith(f"{name}: ")
+    ask(socket, "save")
+    assert "nothing to save" in frame(socket)[0]["text"]
+
+
+def test_a_transform_of_the_points_after_alone_is_that_of_the_command(
+    socket: ClientConnection, engine: Engine, tmp_path: Path
+) -> None:
+    moved = np.eye(4)
+    moved[0, 3] = 1.5
+    pairs = sunk_pairs(engine.viewed.body.mesh, 3.0)
+    text = "\n".join(" ".join(map(str, row)) for row in moved)
+    send_file(socket, csv_of(pairs), "pairs.csv")
+    send_file(socket, text.encode(), "tracker.txt", "initial transform")
+    ask(socket, "register", chosen={"transformed": "after"})
+    frame(socket)
+    shown = frame(socket)[0]
+    ask(socket, "save")
+    kept = tmp_path / "kept"
+    assert "registered.vtu" in frame(socket)[0]["files"]
+    (tmp_path / "pairs.csv").write_bytes(csv_of(pairs))
+    (tmp_path / "tracker.txt").write_text(text)
+    files = {
+        "points": tmp_path / "pairs.csv",
+        "initial_transform": tmp_path / "tracker.txt",
+    }
+    out = tmp_path / "command.vtu"
+    found = register(kept / "case.vtu", out, **files, transformed="after")
+    assert (kept / "registered.vtu").read_bytes() == out.read_bytes()
+    assert shown["misfit_mm"] == pytest.approx(found.misfit_mm)
+    register(kept / "case.vtu", out, **files)
+    assert (kept / "registered.vtu").read_bytes() != out.read_bytes()
+
+
+def test_a_choice_that_nothing_would_use_is_refused(
+    socket: ClientConnection, engine: Engine
+) -> None:
+    send_file(socket, csv_of(sunk_pairs(engine.viewed.body.mesh, 3.0)), "pairs.csv")
+    for chosen, says in (
+        ({"contrast": "t2"}, "is of no use without scan of the operation"),
+        ({"transformed": "after"}, "is of no use without initial transform"),
+        ({"colour": "red"}, "there is no 'colour' to choose"),
+    ):
+        ask(socket, "register", chosen=chosen)
+        assert frame(socket)[0]["kind"] == "registering"
+        assert says in frame(socket)[0]["text"]
+
+
 @pytest.mark.parametrize(
     ("content", "name", "role", "says"),
     [
@@ -210,6 +293,7 @@ TRY = {"type": "craniotomy", "point": [40, 40, 80], "radius_mm": 20}
         ({**TRY, "radius_mm": 99}, "must leave"),
         ({"type": "register", "noise_mm": 0}, "noise_mm"),
         ({"type": "register", "rigid_offset": "yes"}, "rigid_offset"),
+        ({"type": "register", "chosen": {"contrast": 2}}, "chosen"),
         ({"type": "misfits", "state": 0}, "not registered"),
         ({"type": "register"}, "nothing to register"),
         ({"type": "state", "state": -1}, "state"),

@@ -5,7 +5,7 @@ that a browser sent, under names of its own.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -49,10 +49,13 @@ class MeasuredState:
         What the page calls it.
     files : mapping of str to Path
         A role of the desk → its file.
+    called : mapping of str to str
+        The same → what the page calls the file.
     """
 
     name: str
     files: Mapping[str, Path]
+    called: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -65,10 +68,13 @@ class RegisterOptions:
         Standard deviation of each coordinate measured.
     rigid_offset : bool
         Whether to correct a rigid offset of the navigation.
+    chosen : mapping of str to str
+        Name of a menu of the desk → one of its values, where it was on show.
     """
 
     noise_mm: float = 1.0
     rigid_offset: bool = False
+    chosen: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,13 +88,45 @@ class RegisteredShift:
     file, misfits : Path
         What ``physgnn register`` wrote, and what its ``--misfits`` did.
     notes : tuple of str
-        What it said: points left out, outliers.
+        What it said but for the outliers: points left out, that no bone was measured.
     """
 
     found: "Registration"
     file: Path
     misfits: Path
     notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class FailedState:
+    """A state of a series that could not be registered.
+
+    Attributes
+    ----------
+    reason : str
+        Why, in one line.
+    """
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Menu:
+    """What is chosen where a file of some role is there.
+
+    Attributes
+    ----------
+    title : str
+        On the page.
+    values : mapping of str to str
+        Value → its name on the page; the first is chosen until another is.
+    roles : sequence of str
+        Of the files that call for it.
+    """
+
+    title: str
+    values: Mapping[str, str]
+    roles: Sequence[str]
 
 
 class Desk(Protocol):
@@ -106,6 +144,8 @@ class Desk(Protocol):
         What a measured file may be → its name on the page.
     suffixes : sequence of str
         How measured files may end.
+    menus : mapping of str to Menu
+        What is chosen where some files are there.
     """
 
     @property
@@ -118,6 +158,8 @@ class Desk(Protocol):
     def roles(self) -> Mapping[str, str]: ...  # noqa: D102
     @property
     def suffixes(self) -> Sequence[str]: ...  # noqa: D102
+    @property
+    def menus(self) -> Mapping[str, Menu]: ...  # noqa: D102
     @property
     def mesh(self) -> TetMesh:
         """The mesh, with the points that are held and laid open."""
@@ -133,8 +175,8 @@ class Desk(Protocol):
 
     def register(
         self, states: Sequence[MeasuredState], folder: Path, options: RegisterOptions
-    ) -> Iterator[RegisteredShift]:
+    ) -> Iterator[RegisteredShift | FailedState]:
         """Register states one after the other, written into a folder that is there."""
 
-    def save(self, shifts: Sequence[RegisteredShift]) -> list[str]:
+    def save(self, states: Sequence[RegisteredShift | FailedState]) -> list[str]:
         """Keep the states; return the names of the files."""

@@ -12,9 +12,12 @@ from typing import BinaryIO
 
 from physgnn.errors import InputError
 from physgnn.scratch import scratch_folder
-from physgnn.serving.protocol.patient_messages import MOST_FILES, MeasuredFile
+from physgnn.serving.protocol.patient_messages import (
+    MAX_TOTAL_BYTES,
+    MOST_FILES,
+    MeasuredFile,
+)
 
-MAX_TOTAL_BYTES = 64 << 20  # of one session
 UNPRINTABLE = re.compile(r"[^\x20-\x7e\xa0-\u024f]|[/\\]")
 
 
@@ -132,10 +135,13 @@ class Uploads:
         self._receiving = None
 
 
-def states_of(files: Sequence[ReceivedFile]) -> list[dict[str, ReceivedFile]]:
+def states_of(
+    files: Sequence[ReceivedFile], names: Mapping[str, str]
+) -> list[dict[str, ReceivedFile]]:
     """Return what was measured of each state, a file a role.
 
-    A role with one file counts in every state; roles with several have one a state.
+    `names` are those of the roles on the page. A role with one file counts in every
+    state; roles with several have one a state.
 
     Raises
     ------
@@ -149,7 +155,7 @@ def states_of(files: Sequence[ReceivedFile]) -> list[dict[str, ReceivedFile]]:
     if not by_role:
         raise InputError("there is nothing to register: add a measured file")
     if len(counts) > 1:
-        many = ", ".join(f"{len(some)} {role}" for role, some in by_role.items())
+        many = ", ".join(f"{len(some)} {names[role]}" for role, some in by_role.items())
         raise InputError(f"a series must have equally many files of each ({many})")
     return [
         {role: some[i % len(some)] for role, some in by_role.items()}
@@ -172,3 +178,8 @@ def name_of(
 def paths_of(files: Mapping[str, ReceivedFile]) -> dict[str, Path]:
     """Return where the files of a state are, a role each."""
     return {role: file.path for role, file in files.items()}
+
+
+def names_of(files: Mapping[str, ReceivedFile]) -> dict[str, str]:
+    """Return what the page calls the files of a state, a role each."""
+    return {role: file.name for role, file in files.items()}

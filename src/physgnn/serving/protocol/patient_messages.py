@@ -12,8 +12,12 @@ from physgnn.serving.protocol.fields import (
 )
 
 MAX_FILE_BYTES = 32 << 20  # a brain's surface of 300,000 points
+MAX_TOTAL_BYTES = 64 << 20  # of one session
 MOST_FILES = 32
 RADIUS_MM = (5.0, 100.0)  # as of `physgnn init`
+
+
+Word = Annotated[str, Field(max_length=40)]
 
 
 class TriedCraniotomy(CheckedMessage):
@@ -78,11 +82,16 @@ class Register(CheckedMessage):
         Standard deviation of each coordinate measured.
     rigid_offset : bool
         Correct a rigid offset of the navigation.
+    chosen : mapping of str to str
+        Name of a menu that the desk offers → the value chosen.
     """
 
     type: Literal["register"] = "register"
     noise_mm: Annotated[Number, Field(gt=0, le=20)] = 1.0
     rigid_offset: bool = False
+    chosen: Annotated[dict[Word, Word], Field(max_length=8)] = Field(
+        default_factory=dict
+    )
 
 
 class ShowState(CheckedMessage):

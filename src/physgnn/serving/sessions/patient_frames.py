@@ -1,8 +1,12 @@
 """What the page is told of a craniotomy and of a registered state."""
 
+from collections.abc import Sequence
+from typing import TypeAlias
+
 import numpy as np
 
-from physgnn.serving.patient.desk import Opening, RegisteredShift
+from physgnn.errors import InputError
+from physgnn.serving.patient.desk import FailedState, Opening, RegisteredShift
 from physgnn.serving.protocol.frames import encode
 from physgnn.serving.scene.colours import SolvedLoad
 from physgnn.serving.scene.section import Section
@@ -11,6 +15,7 @@ from physgnn.serving.sessions.predictions import described, drawn_arrays
 
 REGISTRATION = "registration"  # what found the displacement, on the page
 MOST_LISTED = 2000  # measured places that are drawn; a surface has more
+NamedState: TypeAlias = tuple[str, RegisteredShift | FailedState]
 
 
 def opening_frame(engine: Engine, opening: Opening) -> bytes:
@@ -30,16 +35,41 @@ def opening_frame(engine: Engine, opening: Opening) -> bytes:
     return encode(header, arrays)
 
 
+def failed_rows(states: Sequence[NamedState]) -> list[dict[str, int | str]]:
+    """Return which states of a series could not be registered, and why."""
+    return [
+        {"state": number, "name": name, "reason": state.reason}
+        for number, (name, state) in enumerate(states)
+        if isinstance(state, FailedState)
+    ]
+
+
+def shift_of(states: Sequence[NamedState], number: int) -> RegisteredShift:
+    """Return a registered state.
+
+    Raises
+    ------
+    InputError
+        If it is not there, or could not be registered.
+    """
+    if number >= len(states):
+        raise InputError("this state is not registered: register it again")
+    name, state = states[number]
+    if isinstance(state, FailedState):
+        raise InputError(f"{name} could not be registered: {state.reason}")
+    return state
+
+
 def state_frame(
     engine: Engine,
-    states: list[tuple[str, RegisteredShift]],
+    states: Sequence[NamedState],
     number: int,
     field: str,
     section: Section | None,
 ) -> bytes:
     """Return one registered state of a series, at the points drawn."""
-    name, shift = states[number]
-    found = shift.found
+    shift = shift_of(states, number)
+    name, found = states[number][0], shift.found
     solved = SolvedLoad(REGISTRATION, None, found.prediction, found.deviation_mm)
     worst = sorted(found.misfits, key=lambda one: -one.distance_mm)
     listed = worst[:MOST_LISTED]
@@ -47,6 +77,7 @@ def state_frame(
         "kind": "state",
         "state": number,
         "states": len(states),
+        "failed": failed_rows(states),
         "name": name,
         **described(engine, field, solved),
         "deviation_mm": float(found.deviation_mm.mean()),

@@ -3,10 +3,8 @@
 import asyncio
 import json
 import logging
-from collections.abc import Awaitable, Callable, Iterator
-from dataclasses import replace
+from collections.abc import Awaitable, Callable
 from functools import partial
-from pathlib import Path
 from shutil import rmtree
 
 import numpy as np
@@ -20,9 +18,9 @@ from physgnn.serving.patient.desk import (
     RegisterOptions,
 )
 from physgnn.serving.patient.uploads import (
-    ReceivedFile,
     Uploads,
     name_of,
+    names_of,
     paths_of,
     states_of,
 )
@@ -41,7 +39,13 @@ from physgnn.serving.protocol.patient_messages import (
 from physgnn.serving.scene.section import Section
 from physgnn.serving.scene.viewed import view_mesh, view_run
 from physgnn.serving.sessions.engine import Engine
-from physgnn.serving.sessions.patient_frames import opening_frame, state_frame
+from physgnn.serving.sessions.patient_frames import (
+    NamedState,
+    failed_rows,
+    opening_frame,
+    shift_of,
+    state_frame,
+)
 from physgnn.serving.sessions.predictions import scene_frame
 
 LOG = logging.getLogger("uvicorn.error")
@@ -79,7 +83,7 @@ class PatientSession:
         self._engine, self._desk, self._section = engine, desk, section
         self._send_text, self._send_bytes = send_text, send_bytes
         self._uploads = Uploads(list(desk.roles), desk.suffixes)
-        self._states: list[tuple[str, RegisteredShift]] = []
+        self._states: list[NamedState] = []
         self._opening: Opening | None = None
         self._waiting: dict[type[PatientMessage], PatientMessage] = {}
         self._changed = asyncio.Event()
@@ -162,67 +166,58 @@ class PatientSession:
         await self._send_bytes(scene_frame(self._engine))
 
     async def _register(self, message: Register) -> None:
-        measured = states_of(self._uploads.files)
+        measured = states_of(self._uploads.files, self._desk.roles)
         self._states = []
         folder = self._uploads.folder / "states"
         rmtree(folder, ignore_errors=True)  # of the registration before
         folder.mkdir()
         states = [
-            MeasuredState(name_of(files, measured), paths_of(files))
+            MeasuredState(name_of(files, measured), paths_of(files), names_of(files))
             for files in measured
         ]
-        options = RegisterOptions(message.noise_mm, message.rigid_offset)
+        options = RegisterOptions(
+            message.noise_mm, message.rigid_offset, message.chosen
+        )
         shifts = self._desk.register(states, folder, options)
-        for number, files in enumerate(measured):
-            await self._say("registering", state=number, states=len(measured))
-            shift = await self._engine.register(partial(self._next, shifts, files))
-            name = " + ".join(dict.fromkeys(file.name for file in files.values()))
+        for number, state in enumerate(states):
+            await self._say("registering", state=number, states=len(states))
+            shift = await self._engine.register(partial(next, shifts))
+            name = " + ".join(dict.fromkeys(state.called.values()))
             self._states.append((name, shift))
-            self._engine.publish(shift.found.prediction)
-        await self._show(len(self._states) - 1, "deviation")
+            if isinstance(shift, RegisteredShift):
+                self._engine.publish(shift.found.prediction)
+        await self._show_last()
 
-    def _next(
-        self, shifts: Iterator[RegisteredShift], files: dict[str, ReceivedFile]
-    ) -> RegisteredShift:
-        """Register one more state, whose files are called what the page calls them."""
-        try:
-            shift = next(shifts)
-        except InputError as error:
-            raise InputError(_named(str(error), files, self._uploads.folder)) from error
-        notes = [_named(note, files, self._uploads.folder) for note in shift.notes]
-        return replace(shift, notes=tuple(notes))
+    async def _show_last(self) -> None:
+        """Show the last state that is registered; say so if none is."""
+        there = [
+            number
+            for number, (_, state) in enumerate(self._states)
+            if isinstance(state, RegisteredShift)
+        ]
+        if there:
+            await self._show(there[-1], "deviation")
+            return
+        states, self._states = self._states, []
+        await self._say("unregistered", states=len(states), failed=failed_rows(states))
 
     async def _show(self, number: int, field: str) -> None:
-        self._state(number)
         make = partial(
             state_frame, self._engine, self._states, number, field, self._section()
         )
         await self._send_bytes(await self._engine.draw(make))
 
     async def _send_misfits(self, number: int) -> None:
-        file = self._state(number).misfits
+        file = shift_of(self._states, number).misfits
         text = await self._engine.draw(partial(file.read_text, "utf-8"))
         await self._say("misfits", name=file.name, text=text)
-
-    def _state(self, number: int) -> RegisteredShift:
-        if number >= len(self._states):
-            raise InputError("this state is not registered: register it again")
-        return self._states[number][1]
 
     async def _save(self) -> None:
         if not self._states:
             raise InputError("nothing is registered yet: there is nothing to save")
-        shifts = [shift for _, shift in self._states]
-        files = await self._engine.register(partial(self._desk.save, shifts))
+        states = [state for _, state in self._states]
+        files = await self._engine.register(partial(self._desk.save, states))
         await self._say("saved", files=files, what="registration")
 
     async def _say(self, kind: str, **what: object) -> None:
         await self._send_text(json.dumps({"kind": kind, **what}))
-
-
-def _named(text: str, files: dict[str, ReceivedFile], folder: Path) -> str:
-    """Return a line with files called what the page calls them."""
-    for file in files.values():
-        text = text.replace(str(file.path), file.name)
-        text = text.replace(file.path.name, file.name)
-    return text.replace(f"{folder}/", "")

@@ -12,6 +12,7 @@ from physgnn.serving.protocol.frames import encode
 from physgnn.serving.protocol.messages import MAX_RADIUS_MM, PatchLoad
 from physgnn.serving.protocol.patient_messages import (
     MAX_FILE_BYTES,
+    MAX_TOTAL_BYTES,
     MOST_FILES,
     RADIUS_MM,
 )
@@ -144,9 +145,18 @@ def _patient(engine: Engine) -> dict[str, Any] | None:
         "adapts": desk.adapts,
         "roles": dict(desk.roles),
         "suffixes": list(desk.suffixes),
+        "menus": {
+            name: {
+                "title": menu.title,
+                "values": dict(menu.values),
+                "roles": list(menu.roles),
+            }
+            for name, menu in desk.menus.items()
+        },
         "radius_mm": RADIUS_MM,
         "most_bytes": MAX_FILE_BYTES,
         "most_files": MOST_FILES,
+        "most_total_bytes": MAX_TOTAL_BYTES,
     }
 
 

@@ -49,6 +49,7 @@ const patient = new Patient(link, {
     if (pick || picked) $("hint").classList.toggle("done", !pick);
   },
   preview: (arrays) => display.preview(arrays),
+  showRest,
   message: panel.showMessage,
   field: () => chosen.field,
 });
@@ -83,11 +84,20 @@ function onCraniotomy(header, arrays) {
 /** A registered state takes the place of a load. */
 function onState(header, arrays) {
   const first = patient.onState(header);
+  if (first === null) return;
   $("hint").classList.add("done");
   if (first) panel.hideMessage();
   if (load.point) load.release();
   display.register(header, arrays);
   if (first) chosen.colourByDeviation(display.scene);
+}
+
+/** Nothing that was registered is on show any more: a state of it failed, or it is registered anew. */
+function showRest(failed = null) {
+  if (failed && load.point) load.release();
+  display.hideRegistration();
+  if (!load.point) display.showRest();
+  if (failed) panel.showFailed(failed);
 }
 
 function onPrediction(header, arrays, sent) {

@@ -2,19 +2,28 @@
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.image import imread, imsave
 
 from meshes import block_mesh
 from physgnn.config import read_preset
 from physgnn.errors import InputError
+from physgnn.geometry import boundary_surface
+from physgnn.geometry.surface import Surface
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.untrusted.csv_table import SAFE_NAME
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.prediction.predictor import Predictor
-from physgnn.serving.patient.desk import MeasuredState, RegisterOptions
+from physgnn.serving.patient.desk import (
+    FailedState,
+    MeasuredState,
+    RegisteredShift,
+    RegisterOptions,
+)
 from physgnn.stages.patient.intraoperative.registration import register
 from physgnn.stages.patient.live_view.case_desk import CaseDesk
 from physgnn.stages.patient.live_view.case_states import rows_of
@@ -144,6 +153,64 @@ def test_a_kept_series_is_the_folder_of_the_command(case: Path) -> None:
     again = register(kept / "case.vtu", kept / "states", series=table)
     assert [state.seconds for state in again] == [0.0, 0.0]  # nothing is left to do
     assert desk.save(shifts)[1:] == ["states-2/"]
+    desk.close()
+
+
+def test_a_state_that_fails_is_named_and_does_not_stop_the_others(case: Path) -> None:
+    kept, scratch = case.parent / "kept", case.parent
+    (scratch / "view").mkdir()
+    desk = CaseDesk(case, kept)
+    there = sunk_pairs(scratch / "measured-1.csv", desk.mesh)
+    bad = scratch / "measured-2.csv"
+    bad.write_text("1,2,3,4,5,x\n")
+    scan = scratch / "measured-3.nii.gz"
+    scan.write_bytes(b"no scan")
+    states = [
+        MeasuredState("opened", {"pairs": there}, {"pairs": "opened.csv"}),
+        MeasuredState("bad", {"pairs": bad}, {"pairs": "my points.csv"}),
+        MeasuredState(
+            "scan", {"intraoperative": scan}, {"intraoperative": "t1.nii.gz"}
+        ),
+        MeasuredState("again", {"pairs": there}, {"pairs": "again.csv"}),
+    ]
+    found = list(desk.register(states, scratch / "view", RegisterOptions()))
+    good, *failed, last = found
+    assert isinstance(good, RegisteredShift) and isinstance(last, RegisteredShift)
+    reasons = [state.reason for state in failed if isinstance(state, FailedState)]
+    assert reasons[0].startswith("my points.csv: point 1 must be 6 numbers")
+    assert reasons[1].startswith("t1.nii.gz: expected a NIfTI image")
+    assert desk.save(found) == ["case.vtu", "states/"]
+    rows = read_table(kept / "states" / "results.csv")
+    assert [row["outcome"] == "failed" for row in rows] == [False, True, True, False]
+    assert [row["reason"] for row in rows[1:3]] == reasons
+    assert "measured-" not in (kept / "states" / "results.csv").read_text()
+    assert not (kept / "states" / "bad.vtu").exists()
+    desk.close()
+
+
+def test_the_outline_of_a_scan_is_kept_and_what_is_said_speaks_of_it(
+    case: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from physgnn.stages.patient.intraoperative import one_state
+
+    def surface(path: Path, *_: Any, picture: Path, log: Any, **__: Any) -> Surface:
+        imsave(picture, np.zeros((2, 2)))
+        log(f"{path}: brain, all of it: 500 ml; look at {picture}")
+        return boundary_surface(desk.mesh)
+
+    monkeypatch.setattr(one_state, "brain_surface", surface)
+    kept, scratch = case.parent / "kept", case.parent
+    (scratch / "view").mkdir()
+    desk = CaseDesk(case, kept)
+    scan = {"intraoperative": scratch / "measured-1.nii.gz"}
+    states = [MeasuredState("scan", scan, {"intraoperative": "t2.nii.gz"})]
+    options = RegisterOptions(chosen={"contrast": "t2"})
+    (found,) = desk.register(states, scratch / "view", options)
+    assert isinstance(found, RegisteredShift)
+    said = "t2.nii.gz: brain, all of it: 500 ml; look at the saved registered.png"
+    assert said in found.notes
+    assert desk.save([found])[-1] == "registered.png"
+    assert imread(kept / "registered.png").shape[:2] == (2, 2)
     desk.close()
 
 

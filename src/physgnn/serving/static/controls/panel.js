@@ -66,12 +66,25 @@ function calm(act) {
 export function showRest() {
   showPrediction.cancel();
   chip("at rest", "");
+  $("chip").title = "";
   for (const id of ["largest", "tumour", "error"]) $(id).textContent = "–";
-  $("reasons").replaceChildren();
+  showReasons([]);
   $("source").textContent = "";
   $("error-name").textContent = "Error at most";
   $("error-bar").className = "unknown";
   $("error-bar").querySelector(".value").style.left = "0";
+}
+
+/** A state that could not be registered. */
+export function showFailed({ name, reason }) {
+  chip("not registered", "failed");
+  $("source").textContent = name;
+  showReasons([reason]);
+}
+
+function showReasons(reasons) {
+  $("reasons").replaceChildren(...reasons.map((text) =>
+    Object.assign(document.createElement("li"), { textContent: text })));
 }
 
 export const showPrediction = calm((header, solving) => {
@@ -100,8 +113,7 @@ function showStatus({ predictor, status, usable, remedy, reasons }) {
   else if (!usable) chip(...(FLAGGED[status] ?? [status, "outside"]));
   else chip(FINE[predictor] ?? "solved", "ok");
   $("chip").title = remedy;
-  $("reasons").replaceChildren(...(compared ? [] : reasons).map((text) =>
-    Object.assign(document.createElement("li"), { textContent: text })));
+  showReasons(compared ? [] : reasons);
 }
 
 function showError({ error, usable, largest_mm: largest }) {

@@ -9,6 +9,8 @@ import { setPlane, tissue } from "./tissue.js";
 const INSIDE = { tumour: [0.62, 0.42, 0.82], ventricle: [0.35, 0.55, 0.8] };
 const HELD = [0.06, 0.1, 0.16]; // added to half the tissue's colour
 const OTHER = [0.5, 0.6, 0.6];
+const DOT = 0.007; // radius of a measured place, in body sizes
+const LARGE_DOTS = 100; // as many are that large
 
 export class BodyView {
   constructor(arrays, size) {
@@ -177,10 +179,11 @@ function shade(colours, marked) {
   }
 }
 
+/** Many are smaller: those of a whole surface would hide it. */
 function dots(places, misfits, colours, size) {
-  const made = new THREE.InstancedMesh(
-    new THREE.SphereGeometry(0.007 * size, 12, 8), new THREE.MeshBasicMaterial(), places.length / 3,
-  );
+  const count = places.length / 3;
+  const radius = DOT * size * Math.min(1, Math.sqrt(LARGE_DOTS / count));
+  const made = new THREE.InstancedMesh(new THREE.SphereGeometry(radius, 12, 8), new THREE.MeshBasicMaterial(), count);
   const at = new THREE.Matrix4();
   misfits.forEach(({ outlier }, i) => {
     made.setMatrixAt(i, at.makeTranslation(...places.subarray(3 * i, 3 * i + 3)));

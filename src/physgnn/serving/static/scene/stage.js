@@ -10,6 +10,7 @@ const SLOW_MS = 20; // a draw that takes longer is coarser while things move
 const COARSE = 0.5;
 const FINE = 1.5;
 const SHARP_AFTER_MS = 250;
+const LETTER_PX = 12; // a letter keeps so far from the rim
 THREE.ColorManagement.enabled = false;
 
 /** Whether WebGL runs on a graphics card; a processor cannot afford smoothing each frame. */
@@ -158,7 +159,8 @@ export class Stage {
       const { x, y } = this.toScreen(place, width, height);
       const facing = new THREE.Vector3(...direction).dot(towards);
       this.letters[i].hidden = Math.abs(facing) > 0.6; // it would be on or behind the brain
-      this.letters[i].style.transform = `translate(-50%, -50%) translate(${x}px, ${y}px)`;
+      const [left, top] = [[x, width], [y, height]].map(([at, end]) => Math.min(Math.max(at, LETTER_PX), end - LETTER_PX));
+      this.letters[i].style.transform = `translate(-50%, -50%) translate(${left}px, ${top}px)`;
     });
   }
 

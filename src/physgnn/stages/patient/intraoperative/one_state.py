@@ -32,6 +32,7 @@ UNCHECKED = (
     "the navigation was not checked against bone: one that is off into the brain looks "
     "like a brain that sank; give points of the bone (--bone)"
 )
+OUTLIER = "outlier"  # begins what is said of one
 SEGMENTED_MM = 2.0  # noise of a segmented brain's surface: two voxels of a usual scan
 Write = Callable[[Path, DisplacementFields], None]
 
@@ -139,7 +140,7 @@ def register_state(
         after=after,
     )
     for one in found.outliers:
-        log(f"outlier, {one}, weight {one.weight:.2f}")
+        log(f"{OUTLIER}, {one}, weight {one.weight:.2f}")
     if found.bone is None and not any(isinstance(m, WholeSurface) for m in measured):
         log(UNCHECKED)
     return RegisteredState(found, measured)

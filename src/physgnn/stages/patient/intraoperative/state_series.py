@@ -9,8 +9,8 @@ import csv
 import io
 import json
 import time
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -154,10 +154,19 @@ class StateSeries:
             mesh.points, mesh.cells, mesh.region, body.fixed, options | made_of
         )
 
-    def result_of(self, state: StateRow) -> StateResult:
-        """Return how the next state fares, registered now or before, and write it."""
+    def result_of(
+        self, state: StateRow, named: Callable[[str], str] = str
+    ) -> StateResult:
+        """Return how the next state fares, registered now or before, and write it.
+
+        `named` is given why it failed, and returns that with files called as their
+        owner calls them.
+        """
         self.last = None
-        self.results.append(self._result_of(state))
+        result = self._result_of(state)
+        if result.outcome == "failed":
+            result = replace(result, reason=named(result.reason))
+        self.results.append(result)
         write_whole(self._out / RESULTS, results_text(self.results))
         write_whole(self._out / PVD, collection_text(self.results))
         return self.results[-1]

@@ -22,16 +22,19 @@ from physgnn.geometry.regions import TUMOUR
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.integrity.atomic import whole_file, whole_folder, write_whole
 from physgnn.scratch import scratch_folder
-from physgnn.stages.patient.intraoperative.one_state import HowToRegister
 from physgnn.stages.patient.intraoperative.patient_body import (
     ready_patient,
     ready_registrar,
 )
 from physgnn.stages.patient.live_view.case_states import (
+    how_to_register,
+    registered,
+)
+from physgnn.stages.patient.live_view.page_options import (
+    CHOICES,
     ROLES,
     SUFFIXES,
-    registered,
-    rows_of,
+    roles_for,
 )
 from physgnn.stages.patient.preoperative.adaptation import adapt
 from physgnn.stages.patient.preoperative.case_file import case_text, craniotomy_at
@@ -39,7 +42,9 @@ from physgnn.stages.patient.preoperative.case_file import case_text, craniotomy_
 if TYPE_CHECKING:
     from physgnn.registration.registrar import Registrar
     from physgnn.serving.patient.desk import (
+        FailedState,
         MeasuredState,
+        Menu,
         Opening,
         RegisteredShift,
         RegisterOptions,
@@ -121,6 +126,16 @@ class CaseDesk:
         return SUFFIXES
 
     @property
+    def menus(self) -> "Mapping[str, Menu]":
+        """What is chosen where some files are there."""
+        from physgnn.serving.patient.desk import Menu
+
+        return {
+            name: Menu(row.name, row.values, roles_for(name))
+            for name, row in CHOICES.items()
+        }
+
+    @property
     def mesh(self) -> TetMesh:
         """The mesh, with the points that are held and laid open."""
         return self._mesh
@@ -177,22 +192,22 @@ class CaseDesk:
         states: "Sequence[MeasuredState]",
         folder: Path,
         options: "RegisterOptions",
-    ) -> "Iterator[RegisteredShift]":
+    ) -> "Iterator[RegisteredShift | FailedState]":
         """Register states one after the other, each from where the last one ended.
 
-        The folder, which must be there, gets what `register` writes of a series.
+        The folder, which must be there, gets what `register` writes of a series. A
+        state of a series that fails does not stop the others.
 
         Raises
         ------
         InputError
             If what was measured cannot be used, or together means nothing.
         """
-        how = HowToRegister(options.noise_mm, rigid_offset=options.rigid_offset)
-        rows = rows_of(states)
+        how = how_to_register(states, options)
         self._ready = self._ready or ready_registrar(self._mesh_file)
-        yield from registered(ready_patient(self._ready), rows, folder, how)
+        yield from registered(ready_patient(self._ready), states, folder, how)
 
-    def save(self, shifts: Sequence["RegisteredShift"]) -> list[str]:
+    def save(self, states: "Sequence[RegisteredShift | FailedState]") -> list[str]:
         """Keep what `register` wrote of the states; return the names of the files.
 
         Raises
@@ -200,17 +215,22 @@ class CaseDesk:
         InputError
             If there is no folder, or it cannot be written.
         """
+        from physgnn.serving.patient.desk import RegisteredShift
+
         if self._folder is None:
             raise InputError(
                 "there is no folder: start physgnn view with --save FOLDER"
             )
         names = self._keep_mesh()
-        if len(shifts) > 1:
+        shifts = [state for state in states if isinstance(state, RegisteredShift)]
+        if len(states) > 1:
             return [*names, self._keep_series(self._folder, shifts[0].file.parent)]
-        for file in (shifts[0].file, shifts[0].misfits):
-            with whole_file(self._folder / file.name, may_be_empty=True) as part:
-                shutil.copyfile(file, part)
-            names.append(file.name)
+        picture = shifts[0].file.with_suffix(".png")  # of a scan's brain
+        for file in (shifts[0].file, shifts[0].misfits, picture):
+            if file.is_file():
+                with whole_file(self._folder / file.name, may_be_empty=True) as part:
+                    shutil.copyfile(file, part)
+                names.append(file.name)
         return names
 
     def close(self) -> None:

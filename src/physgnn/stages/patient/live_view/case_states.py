@@ -1,60 +1,33 @@
 """The states of a brain as the live view hands them over, registered as a series is."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from physgnn.errors import InputError
-from physgnn.io.medical.linear_transforms import ITK_SUFFIXES
-from physgnn.io.medical.markups import POINT_READERS
-from physgnn.io.surfaces.formats import SURFACE_READERS
 from physgnn.stages.patient.intraoperative.measured_files import MeasuredFiles
-from physgnn.stages.patient.intraoperative.one_state import HowToRegister
+from physgnn.stages.patient.intraoperative.one_state import OUTLIER, HowToRegister
 from physgnn.stages.patient.intraoperative.patient_body import PatientBody
+from physgnn.stages.patient.intraoperative.scan_surface import ScanOptions
 from physgnn.stages.patient.intraoperative.state_series import StateSeries
 from physgnn.stages.patient.intraoperative.state_table import StateRow
+from physgnn.stages.patient.live_view.page_options import (
+    ROLES,
+    check_chosen,
+    chosen_or_default,
+    in_page_words,
+)
 
 if TYPE_CHECKING:
-    from physgnn.serving.patient.desk import MeasuredState, RegisteredShift
+    from physgnn.serving.patient.desk import (
+        FailedState,
+        MeasuredState,
+        RegisteredShift,
+        RegisterOptions,
+    )
 
-
-@dataclass(frozen=True)
-class Role:
-    """What a measured file may be.
-
-    Attributes
-    ----------
-    name : str
-        On the page.
-    argument : str
-        Of `register`.
-    """
-
-    name: str
-    argument: str
-
-
-ROLES: Mapping[str, Role] = {
-    "pairs": Role("pairs of points", "points"),
-    "before": Role("points before", "points"),
-    "after": Role("points after", "target"),
-    "surface": Role("exposed surface", "surface"),
-    "landmarks": Role("pairs inside the brain", "landmarks"),
-    "landmarks before": Role("landmarks before", "landmarks"),
-    "landmarks after": Role("landmarks after", "landmarks_target"),
-    "whole surface": Role("whole surface", "whole_surface"),
-    "intraoperative": Role("scan of the operation", "intraoperative"),
-    "bone": Role("pairs of bone points", "bone"),
-    "bone before": Role("bone points of the scan", "bone"),
-    "bone after": Role("bone points now", "bone_target"),
-    "initial transform": Role("initial transform", "initial_transform"),
-}
-SCANS = (".nii.gz", ".nii", ".nrrd", ".mha", ".mgz")  # of one file each
-TRANSFORMS = (".txt", *ITK_SUFFIXES)
-SUFFIXES = list(dict.fromkeys((*POINT_READERS, *SURFACE_READERS, *SCANS, *TRANSFORMS)))
-"""How measured files may end."""
 
 ALONE = "registered"  # name of the only state
 
@@ -79,31 +52,80 @@ def rows_of(states: "Sequence[MeasuredState]") -> list[StateRow]:
     return rows
 
 
-def registered(
-    patient: PatientBody, rows: Sequence[StateRow], folder: Path, how: HowToRegister
-) -> "Iterator[RegisteredShift]":
-    """Register states one after the other into a folder that is there.
+def how_to_register(
+    states: "Sequence[MeasuredState]", options: "RegisterOptions"
+) -> HowToRegister:
+    """Return what is alike for all states.
 
     Raises
     ------
     InputError
-        If what was measured of a state cannot be used.
+        If something is chosen that nothing would use.
     """
-    from physgnn.serving.patient.desk import RegisteredShift
+    check_chosen({role for state in states for role in state.files}, options.chosen)
+    contrast, transformed = (
+        chosen_or_default(name, options.chosen) for name in ("contrast", "transformed")
+    )
+    return HowToRegister(
+        options.noise_mm,
+        rigid_offset=options.rigid_offset,
+        transformed=transformed,
+        scan=ScanOptions(contrast=contrast),
+    )
+
+
+def registered(
+    patient: PatientBody,
+    states: "Sequence[MeasuredState]",
+    folder: Path,
+    how: HowToRegister,
+) -> "Iterator[RegisteredShift | FailedState]":
+    """Register states one after the other into a folder that is there.
+
+    A state that fails does not stop the others.
+
+    Raises
+    ------
+    InputError
+        If two files of a state are one argument, or the only state cannot be used.
+    """
+    from physgnn.serving.patient.desk import FailedState, RegisteredShift
 
     said: list[str] = []
     series = StateSeries(patient, folder, how, said.append)
-    for row in rows:
+    rows = rows_of(states)
+    for state, row in zip(states, rows, strict=True):
         said.clear()
-        result = series.result_of(row)
-        if series.last is None:
-            raise InputError(result.reason)
-        yield RegisteredShift(
-            found=series.last,
-            file=folder / f"{row.name}.vtu",
-            misfits=folder / f"{row.name}-misfits.csv",
-            notes=tuple(line.removeprefix(f"{row.name}: ") for line in said),
-        )
+        named = partial(_named, state=state, folder=folder)
+        result = series.result_of(row, named)
+        if series.last is not None:
+            yield RegisteredShift(
+                found=series.last,
+                file=folder / f"{row.name}.vtu",
+                misfits=folder / f"{row.name}-misfits.csv",
+                notes=tuple(
+                    _note(line, folder, named)
+                    for line in (line.removeprefix(f"{row.name}: ") for line in said)
+                    if not line.startswith(OUTLIER)  # misfits say so
+                ),
+            )
+        elif len(rows) > 1:
+            yield FailedState(in_page_words(result.reason))
+        else:
+            raise InputError(in_page_words(result.reason))
+
+
+def _note(line: str, folder: Path, named: Callable[[str], str]) -> str:
+    """Return what was said of a state as the page says it."""
+    return in_page_words(named(line.replace(f"{folder}/", "the saved ")))
+
+
+def _named(text: str, *, state: "MeasuredState", folder: Path) -> str:
+    """Return a line with files called what the page calls them."""
+    for role, path in state.files.items():
+        called = state.called.get(role, path.name)
+        text = text.replace(str(path), called).replace(path.name, called)
+    return text.replace(f"{folder}/", "")
 
 
 def _free(wanted: str, taken: set[str]) -> str:
