@@ -20,7 +20,7 @@ from torch import Tensor, nn
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.cpu import LayerScores
 from physgnn.learning.graph import Graph
-from physgnn.learning.physgnn import convolution
+from physgnn.learning.physgnn.layers import convolution
 from physgnn.learning.physgnn.published import load_published
 from physgnn.learning.training.objective.losses import mean_euclidean
 from physgnn_speed import batch_of, medians, second_call

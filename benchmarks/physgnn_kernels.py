@@ -21,7 +21,7 @@ from torch import Tensor
 
 import physgnn_speed
 from physgnn.learning.cpu import only_side_by_side
-from physgnn.learning.physgnn import jumping_knowledge as attention
+from physgnn.learning.physgnn.layers import jumping_knowledge as attention
 from physgnn_speed import CASES, Ours, add_arguments, ask, gradients_apart, medians
 
 PRECISIONS = ("float32", "bfloat16")

@@ -17,7 +17,7 @@ import torch
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.storage.store import Store
 from physgnn.learning.graph import graph_of
-from physgnn.learning.physgnn.layout import PUBLISHED_DEPTH as N_LAYERS
+from physgnn.learning.physgnn.architecture import PUBLISHED_DEPTH as N_LAYERS
 from physgnn.learning.physgnn.model import PhysGNNModel
 from physgnn.learning.physgnn.published import load_published
 from physgnn_speed import CASES

@@ -10,7 +10,7 @@ import torch
 from physgnn.cli import main
 from physgnn.dataset import Store
 from physgnn.io import write_load_case
-from physgnn.learning.physgnn.layout import Layout
+from physgnn.learning.physgnn.architecture import Architecture
 from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.versions import release
 
@@ -150,7 +150,7 @@ def test_evaluating_no_run(call: Call, folder: Path) -> None:
 
 
 def test_weights_that_give_no_numbers_are_refused(call: Call, tmp_path: Path) -> None:
-    network = PhysGNN(Layout(3, 2))
+    network = PhysGNN(Architecture(3, 2))
     torch.nn.init.constant_(next(network.parameters()), float("nan"))
     torch.save(network.state_dict(), tmp_path / "weights.pt")
     code, out, err = call("published", tmp_path / "weights.pt")
@@ -160,7 +160,7 @@ def test_weights_that_give_no_numbers_are_refused(call: Call, tmp_path: Path) ->
 
 def test_published_weights_as_a_run(call: Call, folder: Path, tmp_path: Path) -> None:
     torch.manual_seed(0)
-    torch.save(PhysGNN(Layout(9, 1)).state_dict(), tmp_path / "weights.pt")
+    torch.save(PhysGNN(Architecture(9, 1)).state_dict(), tmp_path / "weights.pt")
     weights = ("published", tmp_path / "weights.pt", "--configuration", 9)
     store, run = folder / "loads.zarr", tmp_path / "run"
     case, loads = folder / "case.vtu", folder / "loads.toml"

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor, nn
 
 from physgnn.learning.graph import Graph
-from physgnn.learning.physgnn.layout import CONFIGURATIONS, Layout
+from physgnn.learning.physgnn.architecture import CONFIGURATIONS, Architecture
 from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.physgnn.published import our_name
 
@@ -81,7 +81,7 @@ def random_pair(
 ) -> tuple[PhysGNN, ReferencePhysGNN]:
     """Return our network with random weights, and the reference with the same."""
     torch.manual_seed(seed)
-    ours = PhysGNN(Layout(configuration, dataset), width).eval()
+    ours = PhysGNN(Architecture(configuration, dataset), width).eval()
     for activation in (m for m in ours.modules() if isinstance(m, nn.PReLU)):
         nn.init.uniform_(activation.weight, -0.5, 0.5)
     return ours, reference_of(ours, configuration, dataset)

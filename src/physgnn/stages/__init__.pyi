@@ -6,7 +6,7 @@ from .datasets.exchange import import_results as import_results
 from .datasets.simulation import simulate as simulate
 from .datasets.synthetic_patients import anatomies as anatomies
 from .experiments.ablation import ablate as ablate
-from .experiments.benchmarking import benchmark as benchmark
+from .experiments.benchmark.benchmarking import benchmark as benchmark
 from .experiments.bundling import bundle as bundle
 from .experiments.demonstration import demo as demo
 from .experiments.installation import selftest as selftest

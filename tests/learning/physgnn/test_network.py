@@ -8,7 +8,7 @@ from learning.reference import random_pair
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
-from physgnn.learning.physgnn.layout import CONFIGURATIONS, Layout
+from physgnn.learning.physgnn.architecture import CONFIGURATIONS, Architecture
 from physgnn.learning.physgnn.network import PhysGNN
 
 
@@ -71,9 +71,9 @@ def test_one_sample_is_a_batch_of_one(graph: Graph) -> None:
 
 
 def test_layers_beyond_the_published_six_are_as_the_sixth() -> None:
-    published, deep = Layout(9, 1), Layout(9, 1, 8)
+    published, deep = Architecture(9, 1), Architecture(9, 1, 8)
     assert deep.layers == (*published.layers, *published.layers[-1:] * 2)
-    assert Layout(9, 1, 2).layers == published.layers[:2]
+    assert Architecture(9, 1, 2).layers == published.layers[:2]
 
 
 @pytest.mark.parametrize(
@@ -84,9 +84,11 @@ def test_layers_beyond_the_published_six_are_as_the_sixth() -> None:
         ({"depth": 5}, "depth"),
     ],
 )
-def test_refuses_a_layout_there_is_not(options: dict[str, int], message: str) -> None:
+def test_refuses_an_architecture_there_is_not(
+    options: dict[str, int], message: str
+) -> None:
     with pytest.raises(InputError, match=message):
-        Layout(**options)
+        Architecture(**options)
 
 
 def test_refuses_an_odd_width() -> None:

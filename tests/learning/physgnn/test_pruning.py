@@ -10,8 +10,8 @@ from torch import Tensor, nn
 
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
-from physgnn.learning.physgnn.layout import DEPTHS, Layout
-from physgnn.learning.physgnn.layout import PUBLISHED_DEPTH as N_LAYERS
+from physgnn.learning.physgnn.architecture import DEPTHS, Architecture
+from physgnn.learning.physgnn.architecture import PUBLISHED_DEPTH as N_LAYERS
 from physgnn.learning.physgnn.load_neighbourhood import LoadNeighbourhood
 from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.physgnn.pruning import NEIGHBOURHOODS_CACHED
@@ -47,7 +47,7 @@ def loaded_features(graph: Graph, *, batch: int, nodes: list[int]) -> Tensor:
 
 
 def whole(network: PhysGNN, x: Tensor, graph: Graph) -> Tensor:
-    last = network.outputs(x, [graph] * network.layout.depth)[-1]
+    last = network.outputs(x, [graph] * network.architecture.depth)[-1]
     return network.head[2:](last.flatten(0, 1)).view(*x.shape[:2], 3)
 
 
@@ -224,12 +224,12 @@ def test_some_points_get_what_all_would_give_them(
 
 @pytest.mark.parametrize("depth", DEPTHS)
 @pytest.mark.parametrize("jumping", [True, False])
-def test_other_layouts_carry_a_load_as_many_hops_as_they_have_layers(
+def test_other_architectures_carry_a_load_as_many_hops_as_they_have_layers(
     graph: Graph, depth: int, jumping: bool
 ) -> None:
     torch.manual_seed(0)
-    layout = Layout(9, 1, depth, jumping_knowledge=jumping)
-    network = PhysGNN(layout, width=16).double().eval()
+    architecture = Architecture(9, 1, depth, jumping_knowledge=jumping)
+    network = PhysGNN(architecture, width=16).double().eval()
     x = loaded_features(graph, batch=2, nodes=[0, 3]).double()
     graph = replace(graph, weight=graph.weight.double())
     with torch.no_grad():

@@ -9,7 +9,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph, graph_of
 from physgnn.learning.models import build_model
-from physgnn.learning.physgnn.layout import CONFIGURATIONS, Layout
+from physgnn.learning.physgnn.architecture import CONFIGURATIONS, Architecture
 from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.onnx import PlainPhysGNN, export_onnx
@@ -21,7 +21,7 @@ def test_plain_operators_give_the_same(
     block: TetMesh, configuration: int, dataset: int
 ) -> None:
     torch.manual_seed(configuration)
-    network = PhysGNN(Layout(configuration, dataset), width=16).eval()
+    network = PhysGNN(Architecture(configuration, dataset), width=16).eval()
     graph = Graph.from_mesh(block)
     x = torch.randn(block.n_points, 7)
     with torch.inference_mode():

@@ -11,7 +11,7 @@ from physgnn.dataset import PRESETS, Store
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh
-from physgnn.learning.physgnn.layout import Layout
+from physgnn.learning.physgnn.architecture import Architecture
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.mechanics.loads.sampling import cone_paths
 from physgnn.stages.datasets.simulation import simulate_mesh
@@ -88,7 +88,7 @@ def test_ablate(block: TetMesh, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="another budget"):
         run_ablation({2: store.path}, replace(budget, epochs=2), out)
     old = json.loads((out / "ablation.json").read_text())
-    losses = {f"(2, {c}, 0)": Trial(Layout(c, 2), 0).name for c in range(1, 13)}
+    losses = {f"(2, {c}, 0)": Trial(Architecture(c, 2), 0).name for c in range(1, 13)}
     old["losses"] = {old_name: old["losses"][n] for old_name, n in losses.items()}
     (out / "ablation.json").write_text(json.dumps(old))  # as release 0.1 wrote it
     panels = named_panels("aggregation, layer-type")

@@ -1,9 +1,8 @@
 """PhysGNN's LSTMs on the processor, compiled: the network's one part where it pays.
 
 Nothing outside this room knows how they work. What is here equals `torch.nn.LSTM` and a
-linear layer after it;
-:class:`physgnn.learning.physgnn.jumping_knowledge.JumpingKnowledge` uses those on other
-devices.
+linear layer after it, which `physgnn.learning.physgnn.layers.jumping_knowledge` uses on
+other devices.
 """
 
 from physgnn.learning.cpu.layer_scores import LayerScores as LayerScores

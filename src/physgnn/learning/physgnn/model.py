@@ -8,9 +8,9 @@ from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.network import Network
+from physgnn.learning.physgnn.architecture import PUBLISHED_DEPTH, Architecture
 from physgnn.learning.physgnn.features import load_features, physical_property
-from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
-from physgnn.learning.physgnn.layout import PUBLISHED_DEPTH, Layout
+from physgnn.learning.physgnn.layers.jumping_knowledge import JumpingKnowledge
 from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.physgnn.normalization import Normalizer
 from physgnn.learning.physgnn.precision import set_precision
@@ -29,14 +29,14 @@ class PhysGNNModel(Network):
     body : Body
         What it's made for.
     configuration, dataset : int
-        See :class:`physgnn.learning.physgnn.layout.Layout`.
+        See :class:`physgnn.learning.physgnn.architecture.Architecture`.
     width : int
         Columns between layers, even.
     normaliser : {"training", "published"}
         Fit mean and deviation to the training samples only, or, as was published, to
         the whole dataset, held-out samples included.
     depth, jumping_knowledge
-        What was left out of the published network: see `Layout`.
+        What was left out of the published network: see `Architecture`.
     """
 
     def __init__(
@@ -58,8 +58,8 @@ class PhysGNNModel(Network):
         self.fits_on_everything = normaliser == "published"
         self.property = physical_property(body.mesh, body.fixed)
         self.normalizer = Normalizer()
-        layout = Layout(configuration, dataset, depth, jumping_knowledge)
-        self.network = PhysGNN(layout, width)
+        architecture = Architecture(configuration, dataset, depth, jumping_knowledge)
+        self.network = PhysGNN(architecture, width)
 
     def fit(self, store: Store, samples: IntArray, seed: int = 0) -> None:
         """Fit the normaliser."""
@@ -91,11 +91,11 @@ class PhysGNNModel(Network):
         if not isinstance(other, PhysGNNModel):
             raise InputError("a PhysGNN can only begin with the weights of a PhysGNN")
         mine, theirs = self.network, other.network
-        if (mine.layout, mine.width) != (theirs.layout, theirs.width):
+        if (mine.architecture, mine.width) != (theirs.architecture, theirs.width):
             raise InputError(
                 "its options must be those of the run to begin with, "
-                f"{theirs.layout}, width {theirs.width} (got {mine.layout}, width "
-                f"{mine.width})"
+                f"{theirs.architecture}, width {theirs.width} (got "
+                f"{mine.architecture}, width {mine.width})"
             )
         self.network.load_state_dict(theirs.state_dict())
 

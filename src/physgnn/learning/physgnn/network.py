@@ -7,14 +7,17 @@ from torch import Tensor, nn
 from physgnn.errors import InputError
 from physgnn.learning.cpu import only_side_by_side
 from physgnn.learning.graph import Graph
-from physgnn.learning.physgnn.convolution import Convolution
-from physgnn.learning.physgnn.dropout import SampleDropout
-from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge, LastLayer
-from physgnn.learning.physgnn.layout import N_BLOCKS, Layout
+from physgnn.learning.physgnn.architecture import N_BLOCKS, Architecture
+from physgnn.learning.physgnn.layers.convolution import Convolution
+from physgnn.learning.physgnn.layers.dropout import SampleDropout
+from physgnn.learning.physgnn.layers.jumping_knowledge import (
+    JumpingKnowledge,
+    LastLayer,
+)
 from physgnn.learning.physgnn.pruning import Pruning, Rest, filled
 
 N_INPUTS = 7
-PUBLISHED = Layout()
+PUBLISHED = Architecture()
 
 
 class PhysGNN(nn.Module):
@@ -22,7 +25,7 @@ class PhysGNN(nn.Module):
 
     Parameters
     ----------
-    layout : Layout
+    architecture : Architecture
         Its layers; by default those of configuration 3 on dataset 2.
     width : int
         Columns between layers, even.
@@ -33,20 +36,24 @@ class PhysGNN(nn.Module):
         If the width is not even and positive.
     """
 
-    def __init__(self, layout: Layout = PUBLISHED, width: int = 112) -> None:
+    def __init__(
+        self, architecture: Architecture = PUBLISHED, width: int = 112
+    ) -> None:
         super().__init__()
         if width < 2 or width % 2:
             raise InputError(f"width must be even and positive (got {width})")
-        self.layout, self.width = layout, width
-        inputs = [N_INPUTS] + [width] * (layout.depth - 1)
+        self.architecture, self.width = architecture, width
+        inputs = [N_INPUTS] + [width] * (architecture.depth - 1)
         self.convolutions = nn.ModuleList(
             Convolution(n, width, weighted=weighted, aggregation=aggregation)
-            for n, (weighted, aggregation) in zip(inputs, layout.layers, strict=True)
+            for n, (weighted, aggregation) in zip(
+                inputs, architecture.layers, strict=True
+            )
         )
         self.activations = nn.ModuleList(nn.PReLU(width) for _ in inputs)
         self.attentions = nn.ModuleList(
-            JumpingKnowledge(width, layout.layers_a_block)
-            if layout.jumping_knowledge
+            JumpingKnowledge(width, architecture.layers_a_block)
+            if architecture.jumping_knowledge
             else LastLayer()
             for _ in range(N_BLOCKS)
         )
@@ -55,7 +62,7 @@ class PhysGNN(nn.Module):
             nn.Linear(width, narrow), nn.PReLU(narrow), SampleDropout(0.1),
             nn.Linear(narrow, 3),
         )  # fmt: skip
-        self.pruning = Pruning(layout.depth)
+        self.pruning = Pruning(architecture.depth)
 
     def forward(self, x: Tensor, graph: Graph, points: Tensor | None = None) -> Tensor:
         """Return displacement in mm.
@@ -89,9 +96,9 @@ class PhysGNN(nn.Module):
 
     def _unpruned(self, x: Tensor, graph: Graph, points: Tensor | None) -> Tensor:
         if points is None:
-            return self.outputs(x, [graph] * self.layout.depth)[-1]
+            return self.outputs(x, [graph] * self.architecture.depth)[-1]
         rows, place = points.sort()
-        last = self.outputs(x, [graph] * self.layout.depth, rows=rows)[-1]
+        last = self.outputs(x, [graph] * self.architecture.depth, rows=rows)[-1]
         return last[:, place.argsort()]
 
     def outputs(
@@ -119,7 +126,7 @@ class PhysGNN(nn.Module):
         list of (batch, rows, columns) tensors
             Input, half of the layers, their attention, the others, theirs, head: ten.
         """
-        found, of_block = [x], self.layout.layers_a_block
+        found, of_block = [x], self.architecture.layers_a_block
         for block, attention in enumerate(self.attentions):
             first = block * of_block
             for index in range(first, first + of_block):

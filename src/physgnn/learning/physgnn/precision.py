@@ -6,7 +6,7 @@ import torch
 from torch import nn
 
 from physgnn.errors import InputError
-from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
+from physgnn.learning.physgnn.layers.jumping_knowledge import JumpingKnowledge
 from physgnn.learning.physgnn.network import PhysGNN
 
 PRECISIONS: Mapping[str, torch.dtype | None] = {

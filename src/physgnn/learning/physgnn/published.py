@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from physgnn.errors import InputError
-from physgnn.learning.physgnn.layout import Layout
+from physgnn.learning.physgnn.architecture import Architecture
 from physgnn.learning.physgnn.network import PhysGNN
 
 _LAYER_NAMES = (
@@ -44,7 +44,7 @@ def load_published(
     InputError
         If the file is missing, isn't a state dict, or is another network's.
     """
-    network = PhysGNN(Layout(configuration, dataset))
+    network = PhysGNN(Architecture(configuration, dataset))
     state = {our_name(name): value for name, value in _read(Path(path)).items()}
     expected = {name: value.shape for name, value in network.state_dict().items()}
     if {name: value.shape for name, value in state.items()} != expected:

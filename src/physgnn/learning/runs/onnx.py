@@ -14,8 +14,8 @@ from torch import Tensor, nn
 from physgnn.errors import InputError
 from physgnn.io.integrity.atomic import whole_file
 from physgnn.learning.graph import Graph, graph_of
-from physgnn.learning.physgnn.convolution import Convolution
-from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
+from physgnn.learning.physgnn.layers.convolution import Convolution
+from physgnn.learning.physgnn.layers.jumping_knowledge import JumpingKnowledge
 from physgnn.learning.physgnn.network import PhysGNN
 from physgnn.learning.runs.checkpoint import Checkpoint
 
@@ -101,7 +101,7 @@ class PlainPhysGNN(nn.Module):
         """Return displacement in mm, (n_points, 3), for features (n_points, 7)."""
         network = self.network
         layers = list(zip(network.convolutions, network.activations, strict=True))
-        of_block = network.layout.layers_a_block
+        of_block = network.architecture.layers_a_block
         for block, attention in enumerate(network.attentions):
             first, found = block * of_block, []
             for convolution, activation in layers[first : first + of_block]:

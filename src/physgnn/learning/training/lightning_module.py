@@ -9,7 +9,7 @@ from torch import Tensor
 from physgnn.errors import InputError
 from physgnn.learning.graph import graph_of
 from physgnn.learning.network import Network
-from physgnn.learning.physgnn.dropout import seed_dropout
+from physgnn.learning.physgnn.layers.dropout import seed_dropout
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.objective.losses import LOSSES
 from physgnn.learning.training.samples.multi_mesh import MeshBatch as Batch

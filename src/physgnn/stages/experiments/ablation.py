@@ -165,7 +165,7 @@ def run_ablation(
     trials = trials_of(panels, list(stores), budget.seeds)
     for done, trial in enumerate(trials):
         if trial.name not in found:
-            loss = _loss(stores[trial.layout.dataset], trial, budget, folder)
+            loss = _loss(stores[trial.architecture.dataset], trial, budget, folder)
             # Another process may do the other dataset, into the same folder.
             found = {**_read(folder, budget), trial.name: loss}
             _write(folder, budget, found)
@@ -207,7 +207,7 @@ def _points(
             tuple(found[Trial(pair[dataset - 1], seed).name] for seed in range(seeds)),
         )
         for dataset in datasets
-        for number, pair in panel.layouts.items()
+        for number, pair in panel.architectures.items()
     ]
 
 
@@ -215,12 +215,14 @@ def _loss(path: str | Path, trial: Trial, budget: Ablation, folder: Path) -> flo
     store = Store.open(path, cache_bytes=128 * 2**20)
     config = TrainingConfig(
         options={**trial.options, "width": budget.width},
-        batch_size=BATCH_SIZE[trial.layout.dataset],
+        batch_size=BATCH_SIZE[trial.architecture.dataset],
         schedule="cosine",  # so few epochs have no plateaus
         max_epochs=budget.epochs,
         seed=trial.seed,
         # only jumping knowledge has products in another precision
-        precision=budget.precision if trial.layout.jumping_knowledge else "float32",
+        precision=budget.precision
+        if trial.architecture.jumping_knowledge
+        else "float32",
     )
     out = folder / trial.name
     resumed = can_resume(RunFolder(out))

@@ -1,11 +1,16 @@
-"""What an ablation tries: one row a panel of its figure, one layout a place in it."""
+"""What an ablation tries: one row a panel of its figure."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from physgnn.errors import InputError
-from physgnn.learning.physgnn.layout import DEPTHS, N_BLOCKS, PUBLISHED_DEPTH, Layout
+from physgnn.learning.physgnn.architecture import (
+    DEPTHS,
+    N_BLOCKS,
+    PUBLISHED_DEPTH,
+    Architecture,
+)
 
 BEST = {1: 9, 2: 3}  # dataset → configuration with the least published error
 # Replaced layers → configuration, of dataset 1 and of dataset 2. Layer types are tried
@@ -22,29 +27,32 @@ class Panel:
     ----------
     title : str
         What the numbers count.
-    layouts : mapping
-        Number → the layouts for dataset 1 and for dataset 2.
+    architectures : mapping
+        Number → the architectures for dataset 1 and for dataset 2.
     """
 
     title: str
-    layouts: Mapping[int, tuple[Layout, Layout]]
+    architectures: Mapping[int, tuple[Architecture, Architecture]]
 
 
 def _best(
     depth: int = PUBLISHED_DEPTH, *, jumping: bool = True
-) -> tuple[Layout, Layout]:
-    one, two = (Layout(BEST[n], n, depth, jumping) for n in (1, 2))
+) -> tuple[Architecture, Architecture]:
+    one, two = (Architecture(BEST[n], n, depth, jumping) for n in (1, 2))
     return one, two
 
 
 PANELS: Mapping[str, Panel] = {
     "aggregation": Panel(
         "Layers that add instead of taking the maximum",
-        {k: (Layout(k + 1, 1), Layout(k + 1, 2)) for k in range(7)},
+        {k: (Architecture(k + 1, 1), Architecture(k + 1, 2)) for k in range(7)},
     ),
     "layer-type": Panel(
         "Layers that weigh edges (GraphConv)",
-        {k: (Layout(a, 1), Layout(b, 2)) for k, (a, b) in LAYER_TYPE.items()},
+        {
+            k: (Architecture(a, 1), Architecture(b, 2))
+            for k, (a, b) in LAYER_TYPE.items()
+        },
     ),
     "depth": Panel("Layers", {depth: _best(depth) for depth in DEPTHS}),
     "jumping-knowledge": Panel(
@@ -61,18 +69,18 @@ class Trial:
 
     Attributes
     ----------
-    layout : Layout
+    architecture : Architecture
     seed : int
         Of its first weights and the order of samples.
     """
 
-    layout: Layout
+    architecture: Architecture
     seed: int
 
     @property
     def name(self) -> str:
         """What it is called in files and progress."""
-        of = self.layout
+        of = self.architecture
         more = "" if of.depth == PUBLISHED_DEPTH else f"-depth-{of.depth}"
         more += "" if of.jumping_knowledge else "-without-jumping-knowledge"
         start = f"dataset-{of.dataset}-configuration-{of.configuration}"
@@ -81,8 +89,10 @@ class Trial:
     @property
     def options(self) -> dict[str, Any]:
         """Its options of a training; what is as published is left out."""
-        published = Layout(self.layout.configuration, self.layout.dataset)
-        usual, own = asdict(published), asdict(self.layout)
+        published = Architecture(
+            self.architecture.configuration, self.architecture.dataset
+        )
+        usual, own = asdict(published), asdict(self.architecture)
         always = ("configuration", "dataset")
         return {k: v for k, v in own.items() if k in always or v != usual[k]}
 
@@ -92,7 +102,7 @@ def name_of(key: str) -> str:
     if not key.startswith("("):
         return key
     dataset, configuration, seed = map(int, key.strip("()").split(","))
-    return Trial(Layout(configuration, dataset), seed).name
+    return Trial(Architecture(configuration, dataset), seed).name
 
 
 def named_panels(names: str) -> dict[str, Panel]:
@@ -119,12 +129,12 @@ def trials_of(
 ) -> list[Trial]:
     """Return the networks that panels need, each once; one of each seed first."""
     return [
-        Trial(layout, seed)
+        Trial(architecture, seed)
         for seed in range(seeds)  # one of each soon makes a whole figure
         for dataset in sorted(datasets)
-        for layout in dict.fromkeys(
+        for architecture in dict.fromkeys(
             pair[dataset - 1]
             for panel in panels.values()
-            for pair in panel.layouts.values()
+            for pair in panel.architectures.values()
         )
     ]

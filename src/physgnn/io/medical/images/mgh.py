@@ -10,7 +10,7 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
-from physgnn.io.integrity.atomic import whole_file
+from physgnn.io.integrity.packed import write_packed
 from physgnn.io.medical.images.voxels import ReadOptions, Voxels, affine_in_mm
 from physgnn.io.untrusted.compressed import read_unpacked
 from physgnn.io.untrusted.limits import check_size
@@ -59,7 +59,4 @@ def write_mgh(path: Path, image: Image, note: str) -> None:
     data = np.asarray(image.data)
     if data.dtype != np.uint8:
         data = data.astype(KINDS[data.dtype.kind])
-    # nibabel packs by the last suffix, and knows lower case alone
-    made = nib.MGHImage(data, image.affine)
-    with whole_file(path) as part:
-        nib.save(made, part)
+    write_packed(path, nib.MGHImage(data, image.affine).to_bytes())

@@ -7,7 +7,7 @@ import numpy as np
 
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
-from physgnn.io.integrity.atomic import whole_file
+from physgnn.io.integrity.packed import write_packed
 from physgnn.io.medical.images.nifti_header import parsed_nifti
 from physgnn.io.medical.images.nifti_place import place_of
 from physgnn.io.medical.images.voxels import ReadOptions, Voxels, three_axes
@@ -39,8 +39,6 @@ def save_nifti(path: str | Path, image: "nib.Nifti1Image", *, note: str = "") ->
 
     A note is added to its description, as far as 80 bytes hold it.
     """
-    import nibabel as nib
-
     path = Path(path)
     if not path.name.lower().endswith(SUFFIXES):
         raise InputError(
@@ -55,5 +53,4 @@ def save_nifti(path: str | Path, image: "nib.Nifti1Image", *, note: str = "") ->
     # set both forms: some readers know the one, some the other
     image.set_qform(image.affine, 1)
     image.set_sform(image.affine, 1)
-    with whole_file(path) as part:
-        nib.save(image, part)
+    write_packed(path, image.to_bytes())

@@ -21,7 +21,7 @@ from physgnn.geometry.meshing import tetgen_process
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.solver import Solver
 from physgnn.mechanics.loads.paths import LoadPath
-from physgnn.stages.experiments.benchmark_data import read_tonutti
+from physgnn.stages.experiments.benchmark.benchmark_data import read_tonutti
 
 TASK = "dataset-2-paths"
 PROCESSOR_MINUTES = 5.0  # for all methods together

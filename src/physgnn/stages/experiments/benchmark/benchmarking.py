@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING
 
 from physgnn.errors import InputError
 from physgnn.progress import Log, Show, no_log, no_show
-from physgnn.stages.experiments.benchmark_data import NotAtHandError, task_data
+from physgnn.stages.experiments.benchmark.benchmark_data import (
+    NotAtHandError,
+    task_data,
+)
 from physgnn.stages.outputs import Output, writes
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do

@@ -3,7 +3,7 @@
 from torch import Tensor, nn
 
 from physgnn.learning.graph import Graph
-from physgnn.learning.physgnn.aggregation import aggregate
+from physgnn.learning.physgnn.layers.aggregation import aggregate
 
 
 class Convolution(nn.Module):

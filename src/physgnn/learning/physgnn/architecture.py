@@ -30,7 +30,7 @@ _AGGREGATION = {"a": "add", "m": "max"}
 
 
 @dataclass(frozen=True)
-class Layout:
+class Architecture:
     """The layers of a network.
 
     Attributes

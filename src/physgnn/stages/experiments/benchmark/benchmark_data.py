@@ -17,7 +17,7 @@ from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.numbers import real_numbers, whole_numbers
 from physgnn.progress import Progress, no_progress
 from physgnn.stages.datasets.simulation import processes, simulate_mesh
-from physgnn.stages.experiments.benchmark_shifts import shift_data
+from physgnn.stages.experiments.benchmark.benchmark_shifts import shift_data
 from physgnn.stages.patient.preoperative.surface_meshing import mesh_surfaces
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do

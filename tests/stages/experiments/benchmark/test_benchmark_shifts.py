@@ -17,7 +17,7 @@ from physgnn.geometry.measured import (
     SurfacePoints,
     WholeSurface,
 )
-from physgnn.stages.experiments.benchmark_shifts import _case
+from physgnn.stages.experiments.benchmark.benchmark_shifts import _case
 
 
 class Shifted:

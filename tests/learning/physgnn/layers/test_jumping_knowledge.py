@@ -2,7 +2,7 @@ import pytest
 import torch
 
 from learning.reference import JumpingKnowledge as Reference
-from physgnn.learning.physgnn.jumping_knowledge import JumpingKnowledge
+from physgnn.learning.physgnn.layers.jumping_knowledge import JumpingKnowledge
 
 
 @pytest.mark.parametrize(("width", "n_layers"), [(2, 1), (8, 2), (10, 3), (6, 5)])

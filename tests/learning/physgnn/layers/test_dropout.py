@@ -1,6 +1,6 @@
 import torch
 
-from physgnn.learning.physgnn.dropout import SampleDropout, seed_dropout
+from physgnn.learning.physgnn.layers.dropout import SampleDropout, seed_dropout
 
 X = torch.ones(6, 50, 40)
 

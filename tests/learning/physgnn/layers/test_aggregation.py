@@ -7,7 +7,11 @@ from torch import Tensor
 from learning.reference import MessagePassing
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.graph import Graph
-from physgnn.learning.physgnn.aggregation import AGGREGATIONS, aggregate, scattered
+from physgnn.learning.physgnn.layers.aggregation import (
+    AGGREGATIONS,
+    aggregate,
+    scattered,
+)
 
 kinds = pytest.mark.parametrize("aggregation", AGGREGATIONS)
 weights = pytest.mark.parametrize("weighted", [True, False])

@@ -1,0 +1,1 @@
+"""What the published network is made of: convolutions, attention, dropout."""

@@ -1,0 +1,1 @@
+"""Every method on the same tasks: their data, made once, and the command."""
