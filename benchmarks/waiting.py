@@ -4,9 +4,10 @@
 
 Commands are timed from their start to their end, files written, beside the least that
 any program in Python takes and the least that one with PyTorch takes; predictions in
-process, with their error bound, beside the linear solution. Every command and every
-prediction takes its turn in each round, so that other work on the machine is in all
-alike. A first round is not counted: it compiles and fills the system's file cache.
+process, with their error bound, beside the linear solution; registrations, the first
+and the next one of a series. Within a table all take turns in each round, so that other
+work on the machine is in all alike. A first round is not counted: it compiles and fills
+the system's file cache.
 """
 
 import argparse
@@ -18,6 +19,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -27,15 +29,18 @@ import torch
 from physgnn.bundled import BUNDLED_RUN
 from physgnn.choices import Estimate
 from physgnn.io import read_load_path
+from physgnn.io.medical.markups import read_point_pairs
 from physgnn.learning.models import build_model
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.mechanics import LoadCase
 from physgnn.prediction import Predictor
+from physgnn.stages.patient.intraoperative.patient_body import ready_registrar
 from tables import machine, table
 
 Times = dict[str, list[tuple[float, float]]]  # seconds, and those of the processor
 
 DONE, WRONG_INPUT, NOT_USABLE = 0, 2, 3  # exit codes of `physgnn`
+FURTHER = 1.2  # how much farther than measured the next state has moved
 LOAD = {"points": [[39.7, 8.8, 62.5]], "forces_n": [[0.0, 0.0, -0.2]]}
 MEASURED = Path(__file__).parents[1] / "examples" / "measured.csv"
 
@@ -94,6 +99,21 @@ def predictions(folder: Path) -> dict[str, Callable[[], object]]:
     return found
 
 
+def registrations(case: Path) -> dict[str, Callable[[], object]]:
+    """Return what a registration takes in process: once a patient, first, and next."""
+    register = ready_registrar(case)
+    pairs = read_point_pairs(MEASURED)
+    further = replace(
+        pairs, target=pairs.source + FURTHER * (pairs.target - pairs.source)
+    )
+    first = register(pairs).prediction.displacement
+    return {
+        "load modes and factor, once a patient": partial(ready_registrar, case),
+        f"registration of {len(pairs.source)} pairs": partial(register, pairs),
+        "the next state of a series": lambda: register(further, after=first),
+    }
+
+
 def _patch(predictor: Predictor, one: LoadCase) -> LoadCase:
     """Return the same force on all points that the model's loads act on."""
     assert predictor.calibration is not None
@@ -148,15 +168,20 @@ def main() -> None:
         waited = rounds(started, given.repeats)
         within = {n: partial(timed, do) for n, do in predictions(folder).items()}
         warm = rounds(within, 4 * given.repeats)
+    case = RunFolder(BUNDLED_RUN).case
+    registering = {n: partial(timed, do) for n, do in registrations(case).items()}
+    registered = rounds(registering, given.repeats)
     head = ("median", "least", "of the processor: median", "least")
     table(("command, s", *head), rows(waited, 1.0, 2))
     print()
     table(("in process, ms", *head), rows(warm, 1e3, 1))
+    print()
+    table(("in process, s", *head), rows(registered, 1.0, 2))
     if given.json is not None:
         kept = {
             "machine": machine(),
             "threads": given.threads,
-            "seconds": waited | warm,
+            "seconds": waited | warm | registered,
         }
         given.json.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
 
