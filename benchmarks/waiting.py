@@ -26,6 +26,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from physgnn.arrays import FloatArray
 from physgnn.bundled import BUNDLED_RUN
 from physgnn.choices import Estimate
 from physgnn.io import read_load_path
@@ -99,18 +100,34 @@ def predictions(folder: Path) -> dict[str, Callable[[], object]]:
     return found
 
 
+class Operation:
+    """Two states of a brain, registered one after the other."""
+
+    def __init__(self, case: Path) -> None:
+        self._register = ready_registrar(case)
+        self.first = read_point_pairs(MEASURED)
+        moved = FURTHER * (self.first.target - self.first.source)
+        self._next = replace(self.first, target=self.first.source + moved)
+        self._reached: FloatArray | None = None
+
+    def register_first(self) -> None:
+        """Register the first state by itself."""
+        self._reached = self._register(self.first).prediction.displacement
+
+    def register_next(self) -> None:
+        """Register the next state from where the first one ended."""
+        self._register(self._next, after=self._reached)
+
+
 def registrations(case: Path) -> dict[str, Callable[[], object]]:
     """Return what a registration takes in process: once a patient, first, and next."""
-    register = ready_registrar(case)
-    pairs = read_point_pairs(MEASURED)
-    further = replace(
-        pairs, target=pairs.source + FURTHER * (pairs.target - pairs.source)
-    )
-    first = register(pairs).prediction.displacement
+    operation = Operation(case)
     return {
         "load modes and factor, once a patient": partial(ready_registrar, case),
-        f"registration of {len(pairs.source)} pairs": partial(register, pairs),
-        "the next state of a series": lambda: register(further, after=first),
+        f"registration of {len(operation.first.source)} pairs": (
+            operation.register_first
+        ),
+        "the next state of a series": operation.register_next,
     }
 
 
