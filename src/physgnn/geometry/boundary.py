@@ -34,9 +34,15 @@ def region_faces(mesh: TetMesh, label: int) -> FaceArray:
 
 def _faces_of_one(cells: NDArray[np.int32]) -> FaceArray:
     faces = cells[:, CELL_FACES].reshape(-1, 3)
-    corners = np.sort(faces, axis=1)
-    order = np.lexsort(corners.T)
-    same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
+    one, two, three = faces.T.astype(np.int64)
+    least = np.minimum(np.minimum(one, two), three)
+    most = np.maximum(np.maximum(one, two), three)
+    # two numbers that tell a face's corners, whatever their order
+    others = one + two + three - least
+    pair = least * (int(cells.max(initial=0)) + 1) + most
+    order = np.lexsort((others, pair))
+    pair, others = pair[order], others[order]
+    same = (pair[1:] == pair[:-1]) & (others[1:] == others[:-1])
     once = np.ones(len(faces), dtype=np.bool_)
     once[order[1:][same]] = once[order[:-1][same]] = False
     outer: FaceArray = faces[once]
