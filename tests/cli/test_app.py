@@ -210,6 +210,16 @@ def test_published(call: Call, shared: Path) -> None:
         ("mesh --mni152 --labels brats -o c.vtu", "without the argument segmentation"),
         ("mesh seg.nii.gz --max-volume-mm3 2 -o c.vtu", "beside the argument seg"),
         ("benchmark -o page --report results --seed 2", "--seed is of no use beside"),
+        ("benchmark -o r --size tiny --data .", "--data is for size full"),
+        ("mesh --mni152 --target-points 9 --max-volume-mm3 2 -o c.vtu", "beside --max"),
+        ("export c.vtu --febio a.feb --preset demo --loads l.toml", "beside --loads"),
+        (
+            "predict --load l.json --linear -o u.h5",
+            "--linear writes the linear solution",
+        ),
+        ("predict --load l.json --image t1.nii -o u.vtu", "--image is for a field"),
+        ("predict --load l.json -o u.nrrd", "--as labels"),
+        ("ablate --panel width -o out", "panel must be all or one of"),
     ],
 )
 def test_an_option_that_nothing_would_use_is_one_line(

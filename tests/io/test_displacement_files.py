@@ -77,6 +77,13 @@ def test_the_name_decides(tmp_path: Path) -> None:
     assert form_of("a.nii") is FORMS["field"]
     with pytest.raises(InputError, match=r"a\.stl.*\.vtu, \.vtp, \.h5, \.nii\.gz"):
         form_of("a.stl")
+    assert form_of("A.NII.GZ") is FORMS["field"]
+    with pytest.raises(InputError, match="--as labels"):
+        form_of("a.nrrd")  # labels are no displacement: only where they are named
+    assert form_of("a.nrrd", "labels") is FORMS["labels"]
+    with pytest.raises(InputError, match="--image is for a field"):
+        FORMS["rest"].check_image("a.vtu", "t1.nii.gz")
+    FORMS["field"].check_image("a.nii", "t1.nii.gz")
     with pytest.raises(InputError, match=r"'labels' is written as \.nii\.gz"):
         form_of(tmp_path / "a.vtu", "labels")
     with pytest.raises(InputError, match="form must be one of"):

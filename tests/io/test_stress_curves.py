@@ -106,3 +106,5 @@ def test_no_text_at_all(tmp_path: Path) -> None:
         read_stress_curves(tmp_path / "a.csv")
     with pytest.raises(InputError, match=r"kpa, pa \(got 'psi'\)"):
         read_stress_curves(tmp_path / "a.csv", unit="psi")
+    with pytest.raises(InputError, match="leave --unit out"):
+        read(tmp_path, WHOLE, unit="pa")  # the columns say kPa

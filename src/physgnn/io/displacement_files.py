@@ -91,10 +91,24 @@ class FileForm:
         What its files are called; the first is what messages name.
     write : callable
         Writes the fields.
+    on_voxels : bool
+        Whether they are written on the voxels of an image.
+    by_name : bool
+        Whether it is only meant where its name is said.
     """
 
     suffixes: tuple[str, ...]
     write: Callable[[Path, DisplacementFields], None]
+    on_voxels: bool = False
+    by_name: bool = False
+
+    def check_image(self, path: str | Path, image: str | Path | None) -> None:
+        """Raise InputError if an image is given whose voxels nothing is written on."""
+        if image is not None and not self.on_voxels:
+            raise InputError(
+                f"{path}: --image is for a field or a label map, which this is not: "
+                f"leave it out, or write {' or '.join(IMAGES)}"
+            )
 
 
 def form_of(path: str | Path, name: str | None = None) -> FileForm:
@@ -105,7 +119,8 @@ def form_of(path: str | Path, name: str | None = None) -> FileForm:
     path : path
         Where the displacement goes.
     name : str, optional
-        A row of ``FORMS``; by default the first that has the file's suffix.
+        A row of ``FORMS``; by default the first that has the file's suffix. Labels
+        are no displacement, so they are written only where they are named.
 
     Raises
     ------
@@ -114,13 +129,16 @@ def form_of(path: str | Path, name: str | None = None) -> FileForm:
     """
     if name is not None and name not in FORMS:
         raise InputError(f"form must be one of {', '.join(FORMS)} (got '{name}')")
-    for form in FORMS.values() if name is None else [FORMS[name]]:
-        if Path(path).name.endswith(form.suffixes):
+    usual = [form for form in FORMS.values() if not form.by_name]
+    for form in usual if name is None else [FORMS[name]]:
+        if Path(path).name.lower().endswith(form.suffixes):
             return form
-    wanted = [suffix for form in FORMS.values() for suffix in form.suffixes]
+    wanted = [suffix for form in usual for suffix in form.suffixes]
     if name is not None:
         wanted = list(FORMS[name].suffixes)
     of = "a displacement" if name is None else f"form '{name}'"
+    if name is None and Path(path).name.lower().endswith(FORMS["labels"].suffixes):
+        wanted.append("the deformed labels, --as labels, as this too")
     raise InputError(
         f"{path}: {of} is written as {', '.join(dict.fromkeys(wanted))} "
         f"(got '{Path(path).name}')"
@@ -162,8 +180,8 @@ def _write_labels(path: Path, fields: DisplacementFields) -> None:
 FORMS: Mapping[str, FileForm] = {
     "rest": FileForm((".vtu",), _write_rest),
     "deformed": FileForm((".vtp", ".vtu"), _write_deformed),
-    "transform": FileForm((".h5",), _write_inverse),
-    "field": FileForm(IMAGES, _write_forward),
-    "itk-field": FileForm(IMAGES, _write_inverse),
-    "labels": FileForm(WRITTEN, _write_labels),
+    "transform": FileForm((".h5",), _write_inverse, on_voxels=True),
+    "field": FileForm(IMAGES, _write_forward, on_voxels=True),
+    "itk-field": FileForm(IMAGES, _write_inverse, on_voxels=True),
+    "labels": FileForm(WRITTEN, _write_labels, on_voxels=True, by_name=True),
 }

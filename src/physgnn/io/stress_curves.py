@@ -26,6 +26,7 @@ from physgnn.mechanics.materials.stress_curves import KINDS, SHEAR, StressCurve
 
 PA: Mapping[str, float] = {"kpa": 1e3, "pa": 1.0}
 """Unit of stress → how many Pa."""
+USUAL_UNIT = "kpa"
 UNIT_ENDINGS = ("", *(f"_{unit}" for unit in PA))
 SEPARATORS = ",;\t"
 COMMENT = "#"
@@ -33,15 +34,17 @@ COLUMNS = {kind: "amount" if kind == SHEAR else "stretch" for kind in KINDS}
 Columns = dict[str, list[str]]
 
 
-def read_stress_curves(path: str | Path, *, unit: str = "kpa") -> list[StressCurve]:
+def read_stress_curves(
+    path: str | Path, *, unit: str | None = None
+) -> list[StressCurve]:
     """Read the curves of a file.
 
     Parameters
     ----------
     path : path
         Text, in UTF-8; see above.
-    unit : str
-        Of the stresses whose column does not tell: a key of `PA`.
+    unit : str, optional
+        Of the stresses whose column does not tell: a key of `PA`, by default "kpa".
 
     Raises
     ------
@@ -49,7 +52,7 @@ def read_stress_curves(path: str | Path, *, unit: str = "kpa") -> list[StressCur
         If the file cannot be read, lacks a column, has one that is not listed above, a
         cell is no number, or a curve is none (`StressCurve`).
     """
-    if unit not in PA:
+    if unit is not None and unit not in PA:
         raise InputError(f"unit must be one of {', '.join(PA)} (got '{unit}')")
     try:
         text = Path(path).read_text("utf-8-sig")
@@ -59,6 +62,9 @@ def read_stress_curves(path: str | Path, *, unit: str = "kpa") -> list[StressCur
         raise InputError(f"{path}: expected text in UTF-8 ({error})") from error
     try:
         columns = _columns(_rows(text))
+        if unit is not None and not any(name.endswith("_stress") for name in columns):
+            raise InputError("every column names its unit: leave --unit out")
+        unit = unit or USUAL_UNIT
         return [_curve(columns, kind, unit) for kind in KINDS if _has(columns, kind)]
     except InputError as error:
         raise InputError(f"{path}: {error}") from error

@@ -46,13 +46,15 @@ RULES: Mapping[str, Mapping[str, OptionRule]] = {
         ),
         "tumour": OptionRule(("brain",)),
         **_none_beside(("max_volume_mm3", "keep_surface"), "segmentation"),
+        "target_points": OptionRule(useless_with=("max_volume_mm3",)),
     },
     "segment": {"tumour_labels": OptionRule(("tumour",))},
     "predict": {"affine": OptionRule(("image",))},
     "register": {
-        "target": OptionRule(("points",), ("series",)),
-        "landmarks_target": OptionRule(("landmarks",), ("series",)),
-        "bone_target": OptionRule(("bone",), ("series",)),
+        "target": OptionRule(("points", "series")),
+        "landmarks_target": OptionRule(("landmarks", "series")),
+        "bone_target": OptionRule(("bone", "series")),
+        "rigid_offset": OptionRule(useless_with=("bone",)),
         "transformed": OptionRule(("initial_transform", "series")),
         "landmark_noise_mm": OptionRule(("landmarks", "series")),
         "surface_noise_mm": OptionRule(("surface", "series")),
@@ -70,7 +72,8 @@ RULES: Mapping[str, Mapping[str, OptionRule]] = {
     "simulate": {"workers": OptionRule(useless_with=("scheduler",))},
     "export": {
         "path": OptionRule(("febio", "series")),
-        **_all_need(("preset", "loads"), "febio"),
+        "preset": OptionRule(("febio",), ("loads",)),
+        "loads": OptionRule(("febio",)),
     },
     "reproduce": {"tumour": OptionRule(("brain",))},
     "benchmark": {

@@ -226,7 +226,7 @@ def test_a_series_takes_bone_points_of_each_state(theatre: Path) -> None:
         (("--points", "off.csv", "--bone", "case.vtu"), "must be .csv"),
         (
             ("--points", "off.csv", "--bone", "bone.csv", "--bone-noise-mm", 0),
-            "noise_mm of bone must be in (0, 20]",
+            "noise_mm of bone must be in [0.001, 20]",
         ),
     ],
 )
@@ -239,3 +239,45 @@ def test_bad_bone_points_are_one_line(
     assert said in error and "Traceback" not in error
     assert len(error.strip().splitlines()) == 1
     assert not (theatre / "o.vtu").exists()
+
+
+@pytest.mark.parametrize(
+    ("table", "more", "said"),
+    [
+        ("name,points\na,off.csv\n", ("--bone-noise-mm", 1), "without --bone"),
+        ("name,points\na,off.csv\n", ("--contrast", "t2"), "without --intraoperative"),
+        ("name,points\na,off.csv\n", ("--transformed", "after"), "--initial-transf"),
+        ("name,points,bone_target\na,off.csv,now.fcsv\n", (), "no bone to pair"),
+        (
+            "name,points\na,off.csv\n",
+            ("--bone", "bone.csv", "--rigid-offset"),
+            "beside",
+        ),
+    ],
+)
+def test_what_no_state_of_a_series_uses_is_refused_beforehand(
+    table: str,
+    more: tuple,
+    said: str,
+    theatre: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    bone_files()
+    Path("states.csv").write_text(table)
+    assert run("register", "case.vtu", "--series", "states.csv", *more, "-o", "s") == 2
+    error = capsys.readouterr().err
+    assert said in error and len(error.strip().splitlines()) == 1
+    assert not (theatre / "s").exists()
+
+
+def test_it_is_said_that_the_bone_in_the_scan_was_transformed_too(
+    theatre: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bone_files()
+    np.savetxt(theatre / "still.txt", np.eye(4))
+    given = ("--points", "off.csv", "--bone", "bone.csv")
+    given = (*given, "--initial-transform", "still.txt", *TOLD, *OF_BONE)
+    run("register", "case.vtu", *given, "-o", "out.vtu")
+    assert "--transformed after" in capsys.readouterr().err
+    run("register", "case.vtu", *given, "--transformed", "after", "-o", "out.vtu")
+    assert "--transformed after" not in capsys.readouterr().err

@@ -71,9 +71,10 @@ def register(
     bone: Annotated[
         Path | None,
         typer.Option(
-            help="Pairs of points of the bone, or of what is fixed to it, in the scan "
-            "and as the navigation finds them now: its offset is then known and "
-            "corrected. The same formats."
+            help="Pairs of points of the bone, or of what is fixed to it, where the "
+            "scan has them and where the navigation finds them now: its offset is then "
+            "known and corrected. The same formats; --transformed says which ends "
+            "--initial-transform is for."
         ),
     ] = None,
     bone_target: Annotated[

@@ -27,9 +27,12 @@ def fit_material(
         int, typer.Option(min=1, max=2, help="Give Ogden's law one term or two.")
     ] = 1,
     unit: Annotated[
-        choices.StressUnit,
-        typer.Option(help="Read stresses in this unit where their column names none."),
-    ] = "kpa",
+        choices.StressUnit | None,
+        typer.Option(
+            help="Read stresses in this unit where their column names none; otherwise "
+            "in kPa."
+        ),
+    ] = None,
     poissons_ratio: Annotated[
         float | None,
         typer.Option(

@@ -36,7 +36,7 @@ from physgnn.registration.measurements.surfaces import (
 Measured = PointPairs | Landmarks | SurfacePoints | WholeSurface
 AnyMeasured = Measured | BonePoints
 Noise = float | Mapping[str, float]
-LARGEST_NOISE_MM = 20.0
+SMALLEST_NOISE_MM, LARGEST_NOISE_MM = 0.001, 20.0  # nothing measures to a micrometre
 DEFAULT_NOISE_MM = 1.0
 
 
@@ -161,13 +161,14 @@ def noises_of(kinds: Sequence[str], noise_mm: Noise) -> list[float]:
     Raises
     ------
     InputError
-        If one is not in (0, 20] mm, of a kind that was not measured either.
+        If one is not in [0.001, 20] mm, of a kind that was not measured either.
     """
     if not isinstance(noise_mm, Mapping):
         noise_mm = dict.fromkeys(kinds, noise_mm)
     for kind, noise in noise_mm.items():
-        if not 0 < noise <= LARGEST_NOISE_MM:
+        if not SMALLEST_NOISE_MM <= noise <= LARGEST_NOISE_MM:
             raise InputError(
-                f"noise_mm of {kind} must be in (0, {LARGEST_NOISE_MM:g}] (got {noise})"
+                f"noise_mm of {kind} must be in [{SMALLEST_NOISE_MM:g}, "
+                f"{LARGEST_NOISE_MM:g}] (got {noise})"
             )
     return [float(noise_mm.get(kind, DEFAULT_NOISE_MM)) for kind in kinds]

@@ -121,12 +121,12 @@ def ablate(
         If no dataset is given, there is no such panel, or the folder's results are of
         another budget.
     """
+    panels = named_panels(panel)
     given = {1: dataset_1, 2: dataset_2}
     stores = {number: path for number, path in given.items() if path is not None}
     if not stores:
         raise InputError("give --dataset-1, --dataset-2 or both")
     budget = Ablation(epochs, samples, seeds, split, width, precision)
-    panels = named_panels(panel)
     return run_ablation(stores, budget, out, panels=panels, progress=progress)
 
 

@@ -48,7 +48,7 @@ def fit_material(
     *,
     law: str = "ogden",
     terms: int = 1,
-    unit: str = "kpa",
+    unit: str | None = None,
     poissons_ratio: float | None = None,
     bulk_modulus_pa: float | None = None,
     region: str = "brain",
@@ -65,8 +65,8 @@ def fit_material(
         ``"neo-hookean"``, ``"mooney-rivlin"`` or ``"ogden"``.
     terms : int
         How many terms Ogden's law has, 1 or 2.
-    unit : str
-        Of stresses whose column does not tell: ``"kpa"`` or ``"pa"``.
+    unit : str, optional
+        Of stresses whose column does not tell: ``"kpa"``, by default, or ``"pa"``.
     poissons_ratio : float, optional
         ν of the rest state, which the curves do not determine; 0.49 by default.
     bulk_modulus_pa : float, optional

@@ -254,6 +254,11 @@ def read_voxels(path: Path, options: ReadOptions) -> Voxels:
     form = format_of(path)
     if options.series is not None and form is not _DICOM:
         raise InputError("only a folder of DICOM has series: leave --series out")
+    if options.affine is not None and form is not _NIFTI:
+        raise InputError(
+            f"{path}: only NIfTI has an sform and a qform, and this is {form.what}: "
+            "leave --affine out"
+        )
     with reading(path, form.what):
         voxels = form.read(path, options)
         data = voxels.data

@@ -121,6 +121,8 @@ def benchmark(
 
     if size not in SIZES:
         raise InputError(f"size must be one of {', '.join(SIZES)} (got {size})")
+    if size == "tiny" and data is not None:
+        raise InputError("--data is for size full: tiny tasks make their own data")
     allowed = MINUTES[size] if minutes is None else minutes
     if not 0 < allowed < float("inf"):
         raise InputError(f"minutes must be > 0 (got {minutes})")

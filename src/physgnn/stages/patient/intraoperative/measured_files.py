@@ -32,7 +32,8 @@ BESIDES = {"initial_transform", "target", "landmarks_target", "bone", "bone_targ
 """Files that say nothing of a brain by themselves."""
 ReadScan = Callable[[Path, FloatArray], Surface]
 
-TRANSFORMED: Mapping[str, bool] = {"both": True, "after": False}
+BOTH = "both"
+TRANSFORMED: Mapping[str, bool] = {BOTH: True, "after": False}
 """Whether points before the shift were measured in the other space, too."""
 
 
@@ -127,6 +128,11 @@ def read_measured(
     ends = files.bone, files.bone_target
     if (pairs := _pairs("bone", *ends, log, BonePoints)) is not None:
         found.append(BonePoints(*_ends(pairs, matrix, both)))
+        if files.initial_transform is not None and both:
+            log(
+                "--initial-transform took both ends of the bone points to the scan: "
+                "where the first ends are in the scan already, give --transformed after"
+            )
     return found
 
 

@@ -69,9 +69,15 @@ def predict(
     InputError
         If a file cannot be used, or the displacement not be written so.
     """
-    from physgnn.io.displacement_files import DisplacementFields, form_of
+    from physgnn.io.displacement_files import FORMS, DisplacementFields, form_of
 
-    write = form_of(out, form).write  # before what takes seconds to import
+    written = form_of(out, form)  # before what takes seconds to import
+    written.check_image(out, image)
+    if linear and written is not FORMS["rest"]:
+        raise InputError(
+            f"{out}: --linear writes the linear solution beside the other, in a .vtu "
+            "of the rest state: leave it out, or write that"
+        )
     from physgnn.io import read_load_path
     from physgnn.io.medical.images.formats import read_image
     from physgnn.learning.models import build_model
@@ -93,7 +99,7 @@ def predict(
         beside["force_n"] = case.on_points(body.mesh.n_points)
     fields = {"displacement_mm": prediction.displacement, **beside}
     said = str(prediction.status), prediction.reasons
-    write(Path(out), DisplacementFields(body.mesh, fields, grid, *said))
+    written.write(Path(out), DisplacementFields(body.mesh, fields, grid, *said))
     return prediction
 
 

@@ -1,5 +1,6 @@
 """From what was measured in the operating theatre to the displacement of a brain."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -7,8 +8,12 @@ from physgnn.errors import InputError
 from physgnn.io.displacement_files import form_of
 from physgnn.io.medical.images.formats import read_image, suffix_of
 from physgnn.progress import Log, no_log
+from physgnn.stages.option_rules import check_options
 from physgnn.stages.outputs import FOLDER, Output, writes
-from physgnn.stages.patient.intraoperative.measured_files import NOTHING, MeasuredFiles
+from physgnn.stages.patient.intraoperative.measured_files import (
+    NOTHING,
+    MeasuredFiles,
+)
 from physgnn.stages.patient.intraoperative.one_state import (
     HowToRegister,
     register_state,
@@ -31,7 +36,7 @@ from physgnn.stages.patient.intraoperative.state_series import (
     StateResult,
     register_states,
 )
-from physgnn.stages.patient.intraoperative.state_table import read_states
+from physgnn.stages.patient.intraoperative.state_table import StateRow, read_states
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.registration.registrar import Registrar
@@ -207,9 +212,13 @@ def register(
     if series is not None:
         _refuse(form=form, image=image, misfits=misfits, report=report, picture=picture)
         states = read_states(series, files)
+        _check_used(states, how)
         patient = _patient(mesh, held, registrar)
         return register_states(patient, states, Path(out), how, log=log)
-    write = form_of(out, form).write
+    written = form_of(out, form)
+    if report is None:
+        written.check_image(out, image)
+    write = written.write
     drawn = _picture(picture, intraoperative, Path(out))
     page = None if report is None else page_in(report)
     scan = None if image is None else read_image(image, affine=affine, log=log)
@@ -249,6 +258,20 @@ def _refuse(**options: object) -> None:
             f"{', '.join(given)} is for one state: leave it out of a series, which has "
             "files of its own"
         )
+
+
+def _check_used(states: Sequence[StateRow], how: HowToRegister) -> None:
+    """Raise InputError if no state of a series uses an option that is not usual."""
+    usual = {**vars(HowToRegister()), **vars(ScanOptions())}
+    chosen = {**vars(how), **vars(how.scan)}
+    given = {name for name, value in chosen.items() if value != usual[name]}
+    noises = {f"{kind.replace(' ', '_')}_noise_mm" for kind in how.noises}
+    measured = {role for state in states for role in state.files.paths}
+    check_options(
+        "register",
+        given | noises | measured,
+        lambda name: f"--{name.replace('_', '-')}",
+    )
 
 
 def _picture(

@@ -103,6 +103,11 @@ def _brain_in(
     from physgnn.segmentation.scan_checks import is_label_map
 
     if is_label_map(np.asarray(image.data)):
+        if (how.backend, how.contrast) != (ScanOptions.backend, ScanOptions.contrast):
+            raise InputError(
+                f"{path}: this is a label map, which no program segments: leave "
+                "--backend and --contrast out, or give the scan"
+            )
         given = read_segmentation(path, log=log)
         with reading(path, "a label map of the brain"):
             present = label_volumes(given)

@@ -10,6 +10,8 @@ from physgnn.io.untrusted.text import read_text
 from physgnn.stages.patient.intraoperative.measured_files import BESIDES, MeasuredFiles
 
 NAME, TIME = "name", "time"
+ENDS = {"points": "target", "landmarks": "landmarks_target", "bone": "bone_target"}
+"""Points before the shift, and those after it where they are a file of their own."""
 FILES = tuple(field.name for field in fields(MeasuredFiles))
 
 
@@ -107,6 +109,12 @@ def _state(
         if not file.exists():
             raise InputError(f"line {line}: {role}: there is no {file}")
     files = replace(common, **own)
+    for before, after in ENDS.items():
+        if after in files.paths and before not in files.paths:
+            raise InputError(
+                f"line {line}: '{name}' has {after}, and no {before} to pair with it: "
+                "name that too"
+            )
     if not set(files.paths) - BESIDES:
         raise InputError(
             f"line {line}: '{name}' has nothing measured of the brain: name a file"

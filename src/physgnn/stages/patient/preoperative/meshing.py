@@ -125,10 +125,13 @@ def mesh(
     made_by = [] if segmentation is not None and is_mesh_file(segmentation) else [by]
     if segmentation is not None and is_mesh_file(segmentation):
         sizes = (target_points, max_volume_mm3, brain_mask, smoothing_mm, closing_mm)
-        if any(option is not None for option in (*sizes, mesher)):
+        of_images = (mesher, affine, series)
+        smallest = smallest_mm3 != SMALLEST_MM3
+        if smallest or any(option is not None for option in (*sizes, *of_images)):
             raise InputError(
-                "a mesh keeps its cells: leave out --target-points, --max-volume-mm3, "
-                "--brain-mask, --smoothing-mm, --closing-mm and --mesher"
+                "a mesh keeps its cells and its place: leave out --target-points, "
+                "--max-volume-mm3, --brain-mask, --smoothing-mm, --closing-mm, "
+                "--smallest-mm3, --mesher, --affine and --series"
             )
         made = mesh_of_file(
             segmentation,
