@@ -7,13 +7,14 @@ import numpy as np
 import pyvista as pv
 
 from physgnn.arrays import FloatArray
+from physgnn.evaluation.in_silico.cases import EXPOSED_MM
 from physgnn.evaluation.in_silico.peers import (
     nearest_pairs,
     rigid,
     rigid_icp,
     spline,
 )
-from physgnn.evaluation.in_silico.shifts import EXPOSED_MM, held
+from physgnn.evaluation.in_silico.shifts import held
 from physgnn.geometry import TetMesh, boundary_surface, mni152_phantom, tetrahedralize
 from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.mechanics import NeoHookean

@@ -15,7 +15,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.medical.images.formats import read_image, write_image
 from physgnn.io.vtk.prediction_file import read_removed
-from physgnn.stages.patient.intraoperative.removed_region import resected
+from physgnn.registration.removed_region import resected
 
 SIDE = 60.0
 
