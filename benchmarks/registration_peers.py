@@ -37,10 +37,16 @@ import numpy as np
 
 from held_out import Log
 from physgnn.arrays import BoolArray, FloatArray
-from physgnn.evaluation.in_silico.cases import Case, MeasuredPlaces
+from physgnn.evaluation.in_silico.cases import BONE_NOISE_MM, Case, MeasuredPlaces
 from physgnn.evaluation.in_silico.compared import SHIFT_METHODS, TOLD_MM, Compared
 from physgnn.evaluation.in_silico.image_peers import IMAGE_METHODS
-from physgnn.evaluation.in_silico.measurement_errors import MEASUREMENT_ERRORS, given
+from physgnn.evaluation.in_silico.measurement_errors import (
+    MEASUREMENT_ERRORS,
+    given,
+    moved_to,
+    offset,
+)
+from physgnn.evaluation.in_silico.peers import rigid
 from physgnn.evaluation.in_silico.physiological_shifts import collapse, sag
 from physgnn.evaluation.in_silico.shifts import Truth
 from physgnn.evaluation.in_silico.simulated_images import (
@@ -49,6 +55,7 @@ from physgnn.evaluation.in_silico.simulated_images import (
     simulated_scan,
 )
 from physgnn.geometry import TetMesh
+from physgnn.geometry.measured import PointPairs
 from physgnn.geometry.regions import TUMOUR
 from physgnn.imaging.field import grid_around
 from physgnn.registration.causes import CAVITY
@@ -58,7 +65,9 @@ NEAR_MM = 50.0
 VOXEL_MM, MARGIN_MM = 2.0, 12.0
 KINDS = ("pairs", "surface", "landmarks", "all")
 PHYSIOLOGICAL = {"sag": sag, "resection": collapse}
-CONDITIONS = (*MEASUREMENT_ERRORS, *PHYSIOLOGICAL)
+WITH_BONE = "offset with bone"
+OF_SHIFTS = (*MEASUREMENT_ERRORS, WITH_BONE)
+CONDITIONS = (*OF_SHIFTS, *PHYSIOLOGICAL)
 OURS = ("linear", "register")
 POINT_METHODS = ("zero", "rigid", "spline", *OURS)
 METHODS = (*POINT_METHODS, *IMAGE_METHODS)
@@ -137,20 +146,34 @@ class Bodies:
         return Moved(mesh, places.measured(u, rng, seed))
 
 
+def spoilt(case: Case, seed: int, way: "Way") -> list[Any]:
+    """Return what a method is given; bone corrects it for those that take none."""
+    rng = np.random.default_rng(seed + 10_000)
+    measured = given(case, way.kind)
+    if way.condition != WITH_BONE:
+        wrong = MEASUREMENT_ERRORS.get(way.condition, MEASUREMENT_ERRORS["clean"])
+        return wrong(measured, rng)
+    *measured, bone = offset([*measured, case.bone], rng)
+    if way.method in OURS:
+        return [*measured, bone]
+    back = PointPairs(bone.target, bone.source)
+    return [
+        moved_to(one, lambda points: points + rigid(back, points)) for one in measured
+    ]
+
+
 def by_points(
     bodies: Bodies, seed: int, way: "Way"
 ) -> tuple[FloatArray, dict[str, Any]]:
     """Return the displacement from what was measured of points, and what is said."""
     moved = bodies.moved(way.condition, seed)
     body = bodies.compared(way.condition, moved.mesh)
-    wrong = MEASUREMENT_ERRORS.get(way.condition, MEASUREMENT_ERRORS["clean"])
-    rng = np.random.default_rng(seed + 10_000)
-    measured = wrong(given(moved.case, way.kind), rng)
+    measured = spoilt(moved.case, seed, way)
     if way.method not in OURS:
         return SHIFT_METHODS[way.method](body, measured), {}
     found = body.registrar(
         measured,
-        noise_mm=TOLD_MM,
+        noise_mm={**dict.fromkeys(KINDS, TOLD_MM), "bone": BONE_NOISE_MM},
         rigid_offset=way.condition == "offset",
         linear=way.method == "linear",
     )
@@ -195,7 +218,7 @@ def ways(options: argparse.Namespace) -> Iterator[Way]:
     """Yield all that was asked for and has a meaning."""
     conditions = options.conditions.split(",")
     if options.skull == "sliding":  # the others are of a brain that is held
-        conditions = [one for one in conditions if one in MEASUREMENT_ERRORS]
+        conditions = [one for one in conditions if one in OF_SHIFTS]
     methods = options.methods.split(",")
     for condition in conditions:
         for kind in options.kinds.split(","):

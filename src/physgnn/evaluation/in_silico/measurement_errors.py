@@ -40,7 +40,7 @@ def given(case: Case, kind: str) -> list[Measured]:
     return [every[name] for name in KINDS[kind]]
 
 
-def moved(one: Measured, to: Callable[[FloatArray], FloatArray]) -> Measured:
+def moved_to(one: Measured, to: Callable[[FloatArray], FloatArray]) -> Measured:
     """Return a measurement, what was found after the shift elsewhere."""
     if isinstance(one, PointPairs):
         return type(one)(one.source, to(one.target))
@@ -65,7 +65,7 @@ def outliers(measured: list[Measured], rng: np.random.Generator) -> list[Measure
         points[chosen] += OUTLIER_MM * away / np.linalg.norm(away, axis=1)[:, None]
         return points
 
-    return [moved(one, astray) for one in measured]
+    return [moved_to(one, astray) for one in measured]
 
 
 def swapped(measured: list[Measured], rng: np.random.Generator) -> list[Measured]:
@@ -77,7 +77,9 @@ def swapped(measured: list[Measured], rng: np.random.Generator) -> list[Measured
         points[[i, j]] = points[[j, i]]
         return points
 
-    return [moved(o, exchanged) if isinstance(o, PointPairs) else o for o in measured]
+    return [
+        moved_to(o, exchanged) if isinstance(o, PointPairs) else o for o in measured
+    ]
 
 
 def offset(measured: list[Measured], rng: np.random.Generator) -> list[Measured]:
@@ -90,7 +92,7 @@ def offset(measured: list[Measured], rng: np.random.Generator) -> list[Measured]
     def off(points: FloatArray) -> FloatArray:
         return centre + turn.apply(points - centre) + OFFSET_MM * to
 
-    return [moved(one, off) for one in measured]
+    return [moved_to(one, off) for one in measured]
 
 
 MEASUREMENT_ERRORS: Mapping[

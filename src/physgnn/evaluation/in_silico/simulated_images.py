@@ -139,7 +139,7 @@ def _matter_at(points: FloatArray) -> list[FloatArray]:
 
 @cache
 def _template() -> tuple[Image, Image]:
-    """Return the template's grey and white matter, each 1 where it prevails, blurred."""
+    """Return the template's grey and white matter, 1 where they prevail, blurred."""
     # nilearn takes seconds to import: only this function needs it
     from nilearn.datasets import load_mni152_gm_template, load_mni152_wm_template
 
