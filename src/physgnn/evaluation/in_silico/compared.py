@@ -24,7 +24,6 @@ from physgnn.registration.registrar import Registrar
 from physgnn.registration.removed_region import resected
 
 N_SKULL = 60  # points of the skull that a spline is told of
-ENDS = ("source", "target")
 HELD_MM, TOLD_MM = 75.0, 0.75
 MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
 SURFACE_POINTS = 600
@@ -107,8 +106,8 @@ class Compared:
                 nearest_pairs(one.thinned(N_SURFACE_POINTS), self.exposed)
                 for one in surfaces
             ]
-        ends = (np.concatenate([getattr(o, end) for o in given]) for end in ENDS)
-        return PointPairs(*ends)
+        source = np.concatenate([one.source for one in given])
+        return PointPairs(source, np.concatenate([one.target for one in given]))
 
 
 def zero(body: Compared, measured: AllMeasured) -> FloatArray:

@@ -90,7 +90,8 @@ def offset(measured: list[Measured], rng: np.random.Generator) -> list[Measured]
     centre = np.concatenate(ends).mean(axis=0)
 
     def off(points: FloatArray) -> FloatArray:
-        return centre + turn.apply(points - centre) + OFFSET_MM * to
+        there: FloatArray = centre + turn.apply(points - centre) + OFFSET_MM * to
+        return there
 
     return [moved_to(one, off) for one in measured]
 

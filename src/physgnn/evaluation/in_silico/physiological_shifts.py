@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from physgnn.arrays import FloatArray
+from physgnn.errors import InputError
 from physgnn.evaluation.in_silico.shifts import TRUE_MATERIALS, Truth
 from physgnn.geometry import TetMesh
 from physgnn.mechanics import Gravity, LoadPath, NeoHookean, Solver
@@ -64,6 +65,25 @@ def drained(truth: Truth, rng: np.random.Generator) -> Gravity:
 def solved(
     mesh: TetMesh, path: LoadPath, materials: Mapping[int, NeoHookean] = TRUE_MATERIALS
 ) -> FloatArray:
-    """Return the displacement at the last level in equilibrium."""
+    """Return the displacement at the last level that came to equilibrium.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The rest state.
+    path : LoadPath
+        What moves it.
+    materials : mapping
+        By region.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
     found = Solver(Body(mesh, materials)).solve(path)
-    return found.displacement[int((found.status == 0).sum()) - 1]
+    reached = int((found.status == 0).sum())
+    if not reached:
+        raise InputError(f"no level came to equilibrium: {found.message}")
+    last: FloatArray = found.displacement[reached - 1]
+    return last
