@@ -6,9 +6,18 @@ import numpy as np
 
 from meshes import block_mesh
 from physgnn.arrays import FloatArray
+from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
 
 CORNER, SIDE = np.array([5.0, -30.0, 0.0]), 60.0
+VOXEL = 2.0
+
+
+def voxels() -> ImageGrid:
+    """Voxels around the block, none with its centre in a face of the mesh."""
+    affine = np.diag([VOXEL, VOXEL, VOXEL, 1.0])
+    affine[:3, 3] = CORNER - 9.0
+    return ImageGrid((40, 40, 40), affine)
 
 
 def block_of_brain() -> TetMesh:
@@ -22,6 +31,6 @@ def block_of_brain() -> TetMesh:
 def bump(points: FloatArray, size_mm: float) -> FloatArray:
     """A smooth displacement that is largest in the middle and zero at the faces."""
     x = (points - CORNER) / SIDE
-    height = np.prod(np.sin(np.pi * np.clip(x, 0.0, 1.0)), axis=1) ** 2
+    height = np.prod(np.sin(np.pi * np.clip(x, 0.0, 1.0)), axis=1)
     along: FloatArray = size_mm * height[:, None] * np.array([0.6, 0.0, -0.8])
     return along

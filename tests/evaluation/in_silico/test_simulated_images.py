@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from brain_block import CORNER, SIDE, block_of_brain
+from brain_block import CORNER, SIDE, VOXEL, block_of_brain, voxels
 from physgnn.evaluation.in_silico.simulated_images import (
     INTRAOPERATIVE,
     PREOPERATIVE,
@@ -17,7 +17,6 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.resection import remove_region
 
 PLAIN = replace(PREOPERATIVE, bias=0.0, noise=0.0)
-VOXEL = 2.0
 
 
 @pytest.fixture(scope="module")
@@ -27,9 +26,7 @@ def brain() -> TetMesh:
 
 @pytest.fixture(scope="module")
 def grid() -> ImageGrid:
-    affine = np.diag([VOXEL, VOXEL, VOXEL, 1.0])
-    affine[:3, 3] = CORNER - 9.0  # no centre lies in a face of the mesh
-    return ImageGrid((40, 40, 40), affine)
+    return voxels()
 
 
 @pytest.fixture(scope="module")

@@ -146,7 +146,8 @@ def _shrunk(image: sitk.Image, times: int) -> sitk.Image:
     if times == 1:
         return image
     smooth = sitk.SmoothingRecursiveGaussian(image, times / 2 * image.GetSpacing()[0])
-    return sitk.Shrink(smooth, [times] * 3)
+    small: sitk.Image = sitk.Shrink(smooth, [times] * 3)
+    return small
 
 
 def _moved(transforms: list[sitk.Transform], points: FloatArray) -> FloatArray:
