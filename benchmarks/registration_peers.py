@@ -11,12 +11,13 @@ and the cavity falls together as the fluid drains ("resection").
 Each is measured four ways (`KINDS`): 40 pairs on the surface, 2000 points of it without
 pairs, 15 landmarks inside, and all together, with 0.5 to 1 mm of noise a coordinate. A
 shift is measured well, with outliers, with swapped pairs, and 3 mm and 1.5° off as a
-whole (`physgnn.evaluation.in_silico.measurement_errors`); sag and resection are
-measured well. All methods get the same. A user knows that the tumour was removed and
-that the navigation may be off: with these our registration and linear elasticity, its
-first step, run as with ``--remove tumour`` and ``--rigid-offset``. The spline is told
-where the skull holds; it and the rigid motion take the points of a surface only where
-there is nothing else. Image-based registrations take the scans before and after
+whole (`physgnn.evaluation.in_silico.measurement_errors`), without and with six points
+of the bone; sag and resection are measured well. All methods get the same. Our
+registration and linear elasticity, its first step, run as a user would have them: with
+``--remove tumour`` after a resection, ``--rigid-offset`` where the navigation is off,
+or ``--bone``; for the others, the rigid motion of the bone corrects what was measured.
+The spline is told where the skull holds. It and the rigid motion take the points of a
+surface only where there is nothing else. Image-based registrations take the scans before and after
 (`physgnn.evaluation.in_silico.simulated_images`), of other contrast each; after a
 resection the tumour is gone from the second, and painted over in the first.
 
@@ -29,16 +30,15 @@ log has is not measured again.
 import argparse
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from held_out import Log
-from physgnn.arrays import BoolArray, FloatArray
-from physgnn.evaluation.in_silico.cases import BONE_NOISE_MM, Case, MeasuredPlaces
-from physgnn.evaluation.in_silico.compared import SHIFT_METHODS, TOLD_MM, Compared
+from physgnn.arrays import FloatArray
+from physgnn.evaluation.in_silico.cases import BONE_NOISE_MM, Case
+from physgnn.evaluation.in_silico.compared import SHIFT_METHODS, TOLD_MM
 from physgnn.evaluation.in_silico.image_peers import IMAGE_METHODS
 from physgnn.evaluation.in_silico.measurement_errors import (
     MEASUREMENT_ERRORS,
@@ -46,25 +46,19 @@ from physgnn.evaluation.in_silico.measurement_errors import (
     moved_to,
     offset,
 )
+from physgnn.evaluation.in_silico.operations import PHYSIOLOGICAL, Operations
 from physgnn.evaluation.in_silico.peers import rigid
-from physgnn.evaluation.in_silico.physiological_shifts import collapse, sag
-from physgnn.evaluation.in_silico.shifts import Truth
 from physgnn.evaluation.in_silico.simulated_images import (
     INTRAOPERATIVE,
     PREOPERATIVE,
     simulated_scan,
 )
-from physgnn.geometry import TetMesh
 from physgnn.geometry.measured import PointPairs
-from physgnn.geometry.regions import TUMOUR
 from physgnn.imaging.field import grid_around
-from physgnn.registration.causes import CAVITY
 from tables import machine, table
 
-NEAR_MM = 50.0
 VOXEL_MM, MARGIN_MM = 2.0, 12.0
 KINDS = ("pairs", "surface", "landmarks", "all")
-PHYSIOLOGICAL = {"sag": sag, "resection": collapse}
 WITH_BONE = "offset with bone"
 OF_SHIFTS = (*MEASUREMENT_ERRORS, WITH_BONE)
 CONDITIONS = (*OF_SHIFTS, *PHYSIOLOGICAL)
@@ -76,77 +70,30 @@ AREAS = {
     "near": "within 50 mm of the craniotomy",
     "tumour": "tumour, or the wall of its cavity",
 }
+LABELS = {
+    "zero": "none",
+    "rigid": "rigid",
+    "spline": "spline with skull",
+    "linear": "linear elasticity",
+    "register": "**hyperelastic**",
+}
 IMAGE = "image"  # what image-based registrations take
 
 
-@dataclass(frozen=True, eq=False)
-class Moved:
-    """A brain that moved, and what was measured of it.
+@dataclass(frozen=True)
+class Way:
+    """What is measured, what is the matter with it, and what registers it."""
 
-    Attributes
-    ----------
-    mesh : TetMesh
-        The rest state of what is there after.
-    case : Case
-        Displacement and measurements.
-    """
+    skull: str
+    condition: str
+    kind: str
+    method: str
 
-    mesh: TetMesh
-    case: Case
-
-    def areas(self, craniotomy_point: FloatArray) -> dict[str, BoolArray]:
-        """Return which points each area holds."""
-        mesh, every = self.mesh, np.arange(self.mesh.n_points)
-        tumour = np.unique(mesh.cells[mesh.region == TUMOUR])
-        rim = mesh.point_sets.get(CAVITY, tumour)
-        away = np.linalg.norm(mesh.points - craniotomy_point, axis=1)
-        whole = np.ones(len(every), dtype=bool)
-        return {"brain": whole, "near": away < NEAR_MM, "tumour": np.isin(every, rim)}
+    def __str__(self) -> str:
+        return ", ".join((self.skull, self.condition, self.kind, self.method))
 
 
-class Bodies:
-    """The true brain, and what is registered of it."""
-
-    def __init__(self, n_points: int, skull: str) -> None:
-        self.truth = Truth(int(1.5 * n_points), skull)
-        self._n_points, self._skull = n_points, skull
-        self._moved: dict[tuple[str, int], Moved] = {}
-        self._resected: Compared | None = None
-
-    @cached_property
-    def whole(self) -> Compared:
-        """The brain with its tumour."""
-        x = self.truth.mesh.points
-        return Compared(self._n_points, self._skull, x, None)
-
-    def compared(self, condition: str, mesh: TetMesh) -> Compared:
-        """Return what is registered."""
-        if condition != "resection":
-            return self.whole
-        if self._resected is None:
-            removed, x = "tumour", mesh.points
-            body = Compared(self._n_points, self._skull, x, None, removed=removed)
-            self._resected = body
-        return self._resected
-
-    def moved(self, condition: str, seed: int) -> Moved:
-        """Return a true shift; the last few are kept."""
-        world = condition if condition in PHYSIOLOGICAL else "shift"
-        if (world, seed) not in self._moved:
-            self._moved = {k: v for k, v in self._moved.items() if k[1] == seed}
-            self._moved[world, seed] = self._simulated(world, seed)
-        return self._moved[world, seed]
-
-    def _simulated(self, world: str, seed: int) -> Moved:
-        if world not in PHYSIOLOGICAL:
-            return Moved(self.truth.mesh, self.truth.case(seed))
-        rng = np.random.default_rng([seed, CONDITIONS.index(world)])
-        mesh, u = PHYSIOLOGICAL[world](self.truth, rng)
-        places = MeasuredPlaces(mesh, self.truth.phantom.craniotomy_point)
-        return Moved(mesh, places.measured(u, rng, seed))
-
-
-def spoilt(case: Case, seed: int, way: "Way") -> list[Any]:
+def spoilt(case: Case, seed: int, way: Way) -> list[Any]:
     """Return what a method is given; bone corrects it for those that take none."""
     rng = np.random.default_rng(seed + 10_000)
     measured = given(case, way.kind)
@@ -163,11 +110,11 @@ def spoilt(case: Case, seed: int, way: "Way") -> list[Any]:
 
 
 def by_points(
-    bodies: Bodies, seed: int, way: "Way"
+    operations: Operations, seed: int, way: Way
 ) -> tuple[FloatArray, dict[str, Any]]:
     """Return the displacement from what was measured of points, and what is said."""
-    moved = bodies.moved(way.condition, seed)
-    body = bodies.compared(way.condition, moved.mesh)
+    moved = operations.moved(way.condition, seed)
+    body = operations.compared(way.condition)
     measured = spoilt(moved.case, seed, way)
     if way.method not in OURS:
         return SHIFT_METHODS[way.method](body, measured), {}
@@ -188,10 +135,10 @@ def by_points(
 
 
 def by_images(
-    bodies: Bodies, seed: int, way: "Way"
+    operations: Operations, seed: int, way: Way
 ) -> tuple[FloatArray, dict[str, Any]]:
     """Return the displacement from the scans before and after."""
-    moved = bodies.moved(way.condition, seed)
+    moved = operations.moved(way.condition, seed)
     mesh = moved.mesh
     grid = grid_around(mesh, spacing_mm=VOXEL_MM, margin_mm=MARGIN_MM)
     still = np.zeros_like(mesh.points)
@@ -199,19 +146,6 @@ def by_images(
     u = moved.case.displacement
     after = simulated_scan(mesh, u, grid, INTRAOPERATIVE, seed=2 * seed + 1)
     return IMAGE_METHODS[way.method](before, after, mesh.points), {}
-
-
-@dataclass(frozen=True)
-class Way:
-    """What is measured, what is the matter with it, and what registers it."""
-
-    skull: str
-    condition: str
-    kind: str
-    method: str
-
-    def __str__(self) -> str:
-        return ", ".join((self.skull, self.condition, self.kind, self.method))
 
 
 def ways(options: argparse.Namespace) -> Iterator[Way]:
@@ -233,13 +167,13 @@ def ways(options: argparse.Namespace) -> Iterator[Way]:
                     yield Way(options.skull, condition, IMAGE, method)
 
 
-def measured_row(bodies: Bodies, seed: int, way: Way) -> dict[str, Any]:
+def measured_row(operations: Operations, seed: int, way: Way) -> dict[str, Any]:
     """Return the errors of one registration and what it said of them."""
     found = by_images if way.kind == IMAGE else by_points
-    displacement, said = found(bodies, seed, way)
-    moved = bodies.moved(way.condition, seed)
+    displacement, said = found(operations, seed, way)
+    moved = operations.moved(way.condition, seed)
     error = np.linalg.norm(displacement - moved.case.displacement, axis=1)
-    areas = moved.areas(bodies.truth.phantom.craniotomy_point)
+    areas = moved.areas
     means = {name: float(error[inside].mean()) for name, inside in areas.items()}
     return {**means, "max": float(error.max()), **said}
 
@@ -276,14 +210,22 @@ def point_rows(groups: Groups, area: str) -> Iterator[list[str]]:
 
 
 def image_rows(groups: Groups) -> Iterator[list[str]]:
-    """Yield a row for each world and image-based registration."""
+    """Yield image-based registrations beside ours, of the same cases."""
     for condition in ("clean", *PHYSIOLOGICAL):
-        for method in IMAGE_METHODS:
-            of = groups.get((condition, IMAGE, method), ())
-            if of:
-                name = "shift" if condition == "clean" else condition
-                cells = [cell(of, area) for area in AREAS]
-                yield [f"{name}, {method}", str(len(of)), *cells]
+        name = "shift" if condition == "clean" else condition
+        rows = {"none": groups.get((condition, "pairs", "zero"), ())}
+        rows |= {one: groups.get((condition, IMAGE, one), ()) for one in IMAGE_METHODS}
+        rows |= {
+            f"**hyperelastic**, {kind}": groups.get((condition, kind, "register"), ())
+            for kind in KINDS
+        }
+        seeds = [{record["path"] for record in rows[one]} for one in IMAGE_METHODS]
+        both = set.intersection(*seeds)
+        for method, of in rows.items():
+            kept = [record for record in of if record["path"] in both]
+            if kept:
+                cells = [cell(kept, area) for area in AREAS]
+                yield [f"{name}, {method}", str(len(kept)), *cells]
 
 
 def trust_rows(groups: Groups) -> Iterator[list[str]]:
@@ -305,11 +247,11 @@ def show(log: Log, skull: str) -> None:
     groups = grouped(log, skull)
     if not groups:
         return
-    print(f"\nskull {skull}, images:\n")
-    table(("scans of", "cases", *AREAS.values()), image_rows(groups))
+    print(f"\nskull {skull}, beside image-based registrations:\n")
+    table(("images before and after", "cases", *AREAS.values()), image_rows(groups))
     for area, name in AREAS.items():
         print(f"\nskull {skull}, {name}:\n")
-        table(("measured", "cases", *POINT_METHODS), point_rows(groups, area))
+        table(("measured", "cases", *LABELS.values()), point_rows(groups, area))
     print(f"\nskull {skull}, what our registration says of itself:\n")
     head = ("measured", "cases", "ok", "mean bound held", "largest")
     table(head, trust_rows(groups))
@@ -327,12 +269,12 @@ def main() -> None:
     parser.add_argument("--methods", default=",".join(METHODS))
     options = parser.parse_args()
     print(machine())
-    log, bodies = Log(options.log), None
+    log, operations = Log(options.log), None
     for seed in range(options.first_seed, options.first_seed + options.cases):
         for way in ways(options):
             for _ in log.missing([(seed, 0)], str(way)):
-                bodies = bodies or Bodies(options.points, options.skull)
-                row = measured_row(bodies, seed, way)
+                operations = operations or Operations(options.points, options.skull)
+                row = measured_row(operations, seed, way)
                 log.add(path=seed, level=1, what=str(way), **row)
     for skull in ("fixed", "sliding"):
         show(log, skull)
