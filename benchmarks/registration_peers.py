@@ -17,11 +17,8 @@ registration and linear elasticity, its first step, run as a user would have the
 ``--remove tumour`` after a resection, ``--rigid-offset`` where the navigation is off,
 or ``--bone``; for the others, the rigid motion of the bone corrects what was measured.
 The spline is told where the skull holds. It and the rigid motion take the points of a
-surface only where there is nothing else. The registered tumour lies 5 mm beside the
-true one; landmarks that come to lie in it are left out after a resection.
-
-Image-based registrations take the scans before and after
-(`physgnn.evaluation.in_silico.simulated_images`), of other contrast each. After a
+surface only where there is nothing else. Image-based registrations take the scans before and after
+(`physgnn.evaluation.in_silico.simulated_images`), of other contrast each; after a
 resection the tumour is gone from the second, and painted over in the first.
 
 Target registration error: distance between true and registered place of every mesh
@@ -41,7 +38,7 @@ import numpy as np
 from held_out import Log
 from physgnn.arrays import FloatArray
 from physgnn.evaluation.in_silico.cases import BONE_NOISE_MM, Case
-from physgnn.evaluation.in_silico.compared import SHIFT_METHODS, TOLD_MM, Compared
+from physgnn.evaluation.in_silico.compared import SHIFT_METHODS, TOLD_MM
 from physgnn.evaluation.in_silico.image_peers import IMAGE_METHODS
 from physgnn.evaluation.in_silico.measurement_errors import (
     MEASUREMENT_ERRORS,
@@ -56,10 +53,8 @@ from physgnn.evaluation.in_silico.simulated_images import (
     PREOPERATIVE,
     simulated_scan,
 )
-from physgnn.geometry.measured import Landmarks, PointPairs
+from physgnn.geometry.measured import PointPairs
 from physgnn.imaging.field import grid_around
-from physgnn.registration.measurements.places import OUTSIDE_MM
-from physgnn.registration.removed_region import distance_from
 from tables import machine, table
 
 VOXEL_MM, MARGIN_MM = 2.0, 12.0
@@ -98,22 +93,10 @@ class Way:
         return ", ".join((self.skull, self.condition, self.kind, self.method))
 
 
-def accepted(body: Compared, measured: list[Any]) -> list[Any]:
-    """Return what a registration takes: no landmarks where its mesh has no tissue."""
-    found = []
-    for one in measured:
-        if isinstance(one, Landmarks):
-            kept = distance_from(body.mesh, one.source) <= OUTSIDE_MM
-            found.append(Landmarks(one.source[kept], one.target[kept]))
-        else:
-            found.append(one)
-    return found
-
-
-def spoilt(body: Compared, case: Case, seed: int, way: Way) -> list[Any]:
+def spoilt(case: Case, seed: int, way: Way) -> list[Any]:
     """Return what a method is given; bone corrects it for those that take none."""
     rng = np.random.default_rng(seed + 10_000)
-    measured = accepted(body, given(case, way.kind))
+    measured = given(case, way.kind)
     if way.condition != WITH_BONE:
         wrong = MEASUREMENT_ERRORS.get(way.condition, MEASUREMENT_ERRORS["clean"])
         return wrong(measured, rng)
@@ -132,7 +115,7 @@ def by_points(
     """Return the displacement from what was measured of points, and what is said."""
     moved = operations.moved(way.condition, seed)
     body = operations.compared(way.condition)
-    measured = spoilt(body, moved.case, seed, way)
+    measured = spoilt(moved.case, seed, way)
     if way.method not in OURS:
         return SHIFT_METHODS[way.method](body, measured), {}
     found = body.registrar(

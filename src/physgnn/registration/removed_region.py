@@ -47,10 +47,8 @@ class Resected:
         for one in measured:
             if not isinstance(one, PointPairs) or isinstance(one, BonePoints):
                 continue
-            to_wall = distance_from(self.remaining, one.source)
-            gone = (to_wall > WALL_MM) & (
-                distance_from(self.removed, one.source) < to_wall
-            )
+            to_wall = _distance(self.remaining, one.source)
+            gone = (to_wall > WALL_MM) & (_distance(self.removed, one.source) < to_wall)
             if gone.any():
                 kind = "landmarks" if isinstance(one, Landmarks) else "points"
                 names = ", ".join(
@@ -99,16 +97,8 @@ def resected(mesh: TetMesh, region: str) -> Resected:
     return Resected(remaining, removed, region_name(label))
 
 
-def distance_from(mesh: TetMesh, points: FloatArray) -> FloatArray:
-    """Return how far points are from the tissue of a mesh, mm; 0 inside.
-
-    Parameters
-    ----------
-    mesh : TetMesh
-        The tissue.
-    points : (n, 3) array
-        Anywhere, mm.
-    """
+def _distance(mesh: TetMesh, points: FloatArray) -> FloatArray:
+    """Return how far points are from the tissue of a mesh, mm; 0 inside."""
     import pyvista as pv
 
     grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
