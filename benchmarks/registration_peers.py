@@ -17,8 +17,11 @@ registration and linear elasticity, its first step, run as a user would have the
 ``--remove tumour`` after a resection, ``--rigid-offset`` where the navigation is off,
 or ``--bone``; for the others, the rigid motion of the bone corrects what was measured.
 The spline is told where the skull holds. It and the rigid motion take the points of a
-surface only where there is nothing else. Image-based registrations take the scans before and after
-(`physgnn.evaluation.in_silico.simulated_images`), of other contrast each; after a
+surface only where there is nothing else. The registered tumour and craniotomy lie 7 and
+9 mm beside the true ones; what was resected is known exactly.
+
+Image-based registrations take the scans before and after
+(`physgnn.evaluation.in_silico.simulated_images`), of other contrast each. After a
 resection the tumour is gone from the second, and painted over in the first.
 
 Target registration error: distance between true and registered place of every mesh

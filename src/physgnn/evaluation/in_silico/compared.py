@@ -15,7 +15,13 @@ from physgnn.evaluation.in_silico.peers import (
     spline,
 )
 from physgnn.evaluation.in_silico.shifts import held
-from physgnn.geometry import TetMesh, boundary_surface, mni152_phantom, tetrahedralize
+from physgnn.geometry import (
+    Surface,
+    TetMesh,
+    boundary_surface,
+    mni152_phantom,
+    tetrahedralize,
+)
 from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
@@ -57,6 +63,9 @@ class Compared:
     removed : str, optional
         A region that was resected; what is left is registered, as
         ``physgnn register --remove`` does.
+    tumours : sequence of Surface, optional
+        As they were segmented; by default those of this coarser brain, whose
+        craniotomy and tumour lie some millimetres beside the true ones.
     """
 
     def __init__(
@@ -68,10 +77,11 @@ class Compared:
         *,
         surface_points: int = SURFACE_POINTS,
         removed: str | None = None,
+        tumours: Sequence[Surface] | None = None,
     ) -> None:
         phantom = mni152_phantom(n_points=surface_points)
-        surfaces = phantom.brain, phantom.tumours
-        mesh = tetrahedralize(*surfaces, target_points=n_points)
+        inside = phantom.tumours if tumours is None else tumours
+        mesh = tetrahedralize(phantom.brain, inside, target_points=n_points)
         whole = held(mesh, phantom, HELD_MM)
         self.mesh = whole if removed is None else resected(whole, removed).remaining
         self.craniotomy_point = phantom.craniotomy_point

@@ -83,9 +83,11 @@ class Operations:
 
     @cached_property
     def resected(self) -> Compared:
-        """The brain without its tumour."""
+        """The brain without its tumour, as that was segmented."""
         x = resected(self.truth.mesh, "tumour").remaining.points
-        return Compared(self._n_points, self._skull, x, None, removed="tumour")
+        gone = self.truth.phantom.tumours
+        given = self._n_points, self._skull, x, None
+        return Compared(*given, removed="tumour", tumours=gone)
 
     def compared(self, condition: str) -> Compared:
         """Return what is registered under a condition."""
