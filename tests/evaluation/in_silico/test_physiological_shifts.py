@@ -8,7 +8,7 @@ import pytest
 
 from brain_block import CORNER, SIDE, block_of_brain
 from physgnn.errors import InputError
-from physgnn.evaluation.in_silico.cases import MeasuredPlaces
+from physgnn.evaluation.in_silico.cases import SeenPlaces
 from physgnn.evaluation.in_silico.physiological_shifts import (
     SOFT,
     PhysiologicalShift,
@@ -54,7 +54,7 @@ def test_weight_and_stress_are_in_equilibrium(
 
 def test_the_wall_of_a_cavity_is_not_seen(truth: Any) -> None:
     mesh, u = collapse(truth, np.random.default_rng(0))
-    places = MeasuredPlaces(mesh, TOP)
+    places = SeenPlaces(mesh, TOP)
     wall = mesh.point_set("cavity")
     assert len(wall) and not np.isin(wall, places.exposed).any()
     assert not np.isin(wall, places.deep).any()

@@ -61,7 +61,7 @@ class Case:
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredPlaces:
+class SeenPlaces:
     """Where a body is measured.
 
     Parameters

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from physgnn.arrays import BoolArray, FloatArray
-from physgnn.evaluation.in_silico.cases import Case, MeasuredPlaces
+from physgnn.evaluation.in_silico.cases import Case, SeenPlaces
 from physgnn.evaluation.in_silico.compared import Compared
 from physgnn.evaluation.in_silico.physiological_shifts import (
     PhysiologicalShift,
@@ -110,5 +110,5 @@ class Operations:
             return MovedBrain(self.truth.mesh, self.truth.case(seed), middle)
         rng = np.random.default_rng([seed, STREAMS[name]])
         mesh, u = PHYSIOLOGICAL[name](self.truth, rng)
-        case = MeasuredPlaces(mesh, middle).measured(u, rng, seed)
+        case = SeenPlaces(mesh, middle).measured(u, rng, seed)
         return MovedBrain(mesh, case, middle)

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from physgnn.arrays import FloatArray
-from physgnn.evaluation.in_silico.cases import Case, MeasuredPlaces
+from physgnn.evaluation.in_silico.cases import Case, SeenPlaces
 from physgnn.geometry import (
     Complement,
     Phantom,
@@ -69,7 +69,7 @@ class Truth:
         surfaces = self.phantom.brain, self.phantom.tumours
         mesh = tetrahedralize(*surfaces, target_points=n_points)
         self.mesh = held(mesh, self.phantom, TRUE_HELD_MM)
-        self.places = MeasuredPlaces(self.mesh, self.phantom.craniotomy_point)
+        self.places = SeenPlaces(self.mesh, self.phantom.craniotomy_point)
         self.free, self.exposed = self.places.free, self.places.exposed
 
     @cached_property
