@@ -1,6 +1,7 @@
 """Registrations in silico beside rigid motions, splines and image-based ones.
 
-    OMP_NUM_THREADS=1 python benchmarks/registration_peers.py --cases 20
+    OMP_NUM_THREADS=1 ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS=1 \
+        python benchmarks/registration_peers.py --cases 20
     python benchmarks/registration_peers.py --cases 0   # only print what the log has
 
 The truth is of `physgnn.evaluation.in_silico`: a finer mesh, other tissue and another
