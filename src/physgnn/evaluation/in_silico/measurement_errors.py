@@ -25,7 +25,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "whole surface": ("whole surface",),
     "all": ("pairs", "surface", "landmarks"),
 }
-"""Kinds of measurement, by the names that `Registrar` has for their noise."""
+"""Kinds of measurement, by the names that a registration has for their noise."""
 
 
 def given(case: Case, kind: str) -> list[Measured]:
