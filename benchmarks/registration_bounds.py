@@ -21,109 +21,31 @@ Clopper & Pearson (Biometrika 26, 1934), and bound over error in the median.
 """
 
 import argparse
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 from scipy.stats import binomtest
 
 from held_out import Log
-from physgnn.arrays import FloatArray
+from physgnn.evaluation.in_silico.cases import BONE_NOISE_MM, Case
 from physgnn.evaluation.in_silico.compared import TOLD_MM, Compared
-from physgnn.evaluation.in_silico.shifts import BONE_NOISE_MM, Case, Truth
-from physgnn.geometry.measured import PointPairs, SurfacePoints, WholeSurface
+from physgnn.evaluation.in_silico.measurement_errors import (
+    KINDS,
+    MEASUREMENT_ERRORS,
+    clean,
+    given,
+    offset,
+    outliers,
+)
+from physgnn.evaluation.in_silico.shifts import Truth
 from physgnn.registration.inference.bounds import factors_of
 from tables import machine, table
 
-Measured = PointPairs | SurfacePoints | WholeSurface
-USUAL = 40  # pairs, of the 50 there are
-OUTLIER_SHARE, OUTLIER_MM = 0.1, 15.0
-OFFSET_MM, OFFSET_DEG = 3.0, 1.5
 HARMLESS_MM = 3.0  # an error below is not called wrong
 
-KINDS: Mapping[str, tuple[str, ...]] = {
-    "pairs": ("pairs",),
-    "surface": ("surface",),
-    "landmarks": ("landmarks",),
-    "whole surface": ("whole surface",),
-    "all": ("pairs", "surface", "landmarks"),
-}
-
-
-def measured(case: Case, names: Sequence[str]) -> list[Measured]:
-    """Return what a kind of case has measured."""
-    some = PointPairs(case.pairs.source[:USUAL], case.pairs.target[:USUAL])
-    given = {
-        "pairs": some,
-        "surface": case.surface,
-        "landmarks": case.landmarks,
-        "whole surface": case.whole,
-    }
-    return [given[name] for name in names]
-
-
-def moved(one: Measured, to: Callable[[FloatArray], FloatArray]) -> Measured:
-    """Return a measurement, what was found after the shift elsewhere."""
-    if isinstance(one, PointPairs):
-        return type(one)(one.source, to(one.target))
-    if isinstance(one, WholeSurface):
-        return WholeSurface(to(one.points), one.faces)
-    return SurfacePoints(to(one.points))
-
-
-def clean(given: list[Measured], rng: np.random.Generator) -> list[Measured]:
-    del rng
-    return given
-
-
-def outliers(given: list[Measured], rng: np.random.Generator) -> list[Measured]:
-    """Move a tenth of the points in random directions."""
-
-    def astray(points: FloatArray) -> FloatArray:
-        chosen = rng.choice(len(points), max(1, round(OUTLIER_SHARE * len(points))))
-        away = rng.normal(size=(len(chosen), 3))
-        points = points.copy()
-        points[chosen] += OUTLIER_MM * away / np.linalg.norm(away, axis=1)[:, None]
-        return points
-
-    return [moved(one, astray) for one in given]
-
-
-def swapped(given: list[Measured], rng: np.random.Generator) -> list[Measured]:
-    """Swap two points of every list of pairs."""
-
-    def exchanged(points: FloatArray) -> FloatArray:
-        points = points.copy()
-        i, j = rng.choice(len(points), 2, replace=False)
-        points[[i, j]] = points[[j, i]]
-        return points
-
-    return [moved(o, exchanged) if isinstance(o, PointPairs) else o for o in given]
-
-
-def offset(given: list[Measured], rng: np.random.Generator) -> list[Measured]:
-    """Move everything as a whole, as a navigation that is off does."""
-    to, about = (v / np.linalg.norm(v) for v in rng.normal(size=(2, 3)))
-    turn = Rotation.from_rotvec(np.deg2rad(OFFSET_DEG) * about)
-    ends = [o.target if isinstance(o, PointPairs) else o.points for o in given]
-    centre = np.concatenate(ends).mean(axis=0)
-
-    def off(points: FloatArray) -> FloatArray:
-        return centre + turn.apply(points - centre) + OFFSET_MM * to
-
-    return [moved(one, off) for one in given]
-
-
-CONDITIONS = {
-    "clean": clean,
-    "outliers": outliers,
-    "swapped": swapped,
-    "offset": offset,
-    "bone": clean,
-    "bone and outliers": outliers,
-}
+CONDITIONS = {**MEASUREMENT_ERRORS, "bone": clean, "bone and outliers": outliers}
 WITH_BONE = ("bone", "bone and outliers")
 
 
@@ -134,13 +56,13 @@ def correction_of(name: str) -> str:
 
 def registered(body: Compared, kind: str, name: str, case: Case, seed: int) -> dict:
     """Return the errors of one registration and what it said of them."""
-    given = measured(case, KINDS[kind])
+    measured = given(case, kind)
     rng = np.random.default_rng(seed + 10_000)
     if name in WITH_BONE:
-        both = offset([*given, case.bone], rng)
+        both = offset([*measured, case.bone], rng)
         spoilt = [*CONDITIONS[name](both[:-1], rng), both[-1]]
     else:
-        spoilt = CONDITIONS[name](given, rng)
+        spoilt = CONDITIONS[name](measured, rng)
     noise = {**dict.fromkeys(KINDS, TOLD_MM), "bone": BONE_NOISE_MM}
     found = body.registrar(spoilt, noise_mm=noise, rigid_offset=name == "offset")
     there = body.at_truth(found.prediction.displacement)

@@ -15,58 +15,30 @@ often the bound on the largest error held.
 """
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from physgnn.arrays import FloatArray
+from physgnn.evaluation.in_silico.cases import EXPOSED_MM
 from physgnn.evaluation.in_silico.compared import HELD_MM, MATERIALS
-from physgnn.evaluation.in_silico.shifts import (
-    EXPOSED_MM,
-    TRUE_MATERIALS,
-    Truth,
-    held,
+from physgnn.evaluation.in_silico.physiological_shifts import (
+    PhysiologicalShift,
+    collapse,
+    contraction,
+    sag,
+    swelling,
 )
+from physgnn.evaluation.in_silico.shifts import Truth, held
 from physgnn.geometry import TetMesh, mni152_phantom, tetrahedralize
 from physgnn.geometry.measured import PointPairs
 from physgnn.imaging.point_displacement import displacement_at
-from physgnn.mechanics import Gravity, LoadPath, NeoHookean, Solver
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.loads.growth_rules import GrowthIn
-from physgnn.mechanics.loads.sampling import equal_levels
 from physgnn.registration.registrar import Registrar
-from physgnn.stages.patient.intraoperative.removed_region import resected
+from physgnn.registration.removed_region import resected
 from tables import machine, table
 
-N_PAIRS, NOISE_MM, LEVELS = 40, 0.75, 5
-# A brain's own weight moves it by as much as is seen only if it is softer than the
-# published one.
-SOFT = {i: NeoHookean(1500.0 * (1 + 2 * i), 0.45) for i in TRUE_MATERIALS}
-Shift = Callable[[Truth, np.random.Generator], tuple[TetMesh, FloatArray]]
-
-
-def swelling(truth: Truth, rng: np.random.Generator) -> tuple[TetMesh, FloatArray]:
-    """Swell the tissue around the tumour."""
-    rule = GrowthIn(rng.uniform(1.04, 1.10), near="tumour", within_mm=25.0)
-    return truth.mesh, solved(truth.mesh, LoadPath.of(FACTORS, rule.on(truth.mesh)))
-
-
-def contraction(truth: Truth, rng: np.random.Generator) -> tuple[TetMesh, FloatArray]:
-    """Draw water from all of the brain, as mannitol does."""
-    rule = GrowthIn(rng.uniform(0.95, 0.98), region="brain")
-    return truth.mesh, solved(truth.mesh, LoadPath.of(FACTORS, rule.on(truth.mesh)))
-
-
-def sag(truth: Truth, rng: np.random.Generator) -> tuple[TetMesh, FloatArray]:
-    """Sink from the opening as the fluid drains."""
-    load = drained(truth, rng)
-    return truth.mesh, solved(truth.mesh, LoadPath.of(FACTORS, load), SOFT)
-
-
-def collapse(truth: Truth, rng: np.random.Generator) -> tuple[TetMesh, FloatArray]:
-    """Take the tumour out and let the fluid drain: the cavity falls together."""
-    rest = resected(truth.mesh, "tumour").remaining
-    return rest, solved(rest, LoadPath.of(FACTORS, drained(truth, rng)), SOFT)
+N_PAIRS, NOISE_MM = 40, 0.75
 
 
 def forces(truth: Truth, rng: np.random.Generator) -> tuple[TetMesh, FloatArray]:
@@ -74,32 +46,13 @@ def forces(truth: Truth, rng: np.random.Generator) -> tuple[TetMesh, FloatArray]
     return truth.mesh, truth.case(int(rng.integers(1 << 30))).displacement
 
 
-SHIFTS: Mapping[str, Shift] = {
+SHIFTS: Mapping[str, PhysiologicalShift] = {
     "swelling near the tumour": swelling,
     "contraction of all brain": contraction,
     "sag": sag,
     "cavity that collapses": collapse,
     "forces, no cause of these": forces,
 }
-FACTORS = equal_levels(LEVELS)
-
-
-def drained(truth: Truth, rng: np.random.Generator) -> Gravity:
-    """Return weight into the opening, leaning a little, above some level of fluid."""
-    inward = truth.mesh.points.mean(axis=0) - truth.phantom.craniotomy_point
-    down = inward / np.linalg.norm(inward) + rng.normal(scale=0.2, size=3)
-    down /= np.linalg.norm(down)
-    height = -truth.mesh.points @ down
-    level = height.min() + rng.uniform(0.3, 0.7) * np.ptp(height)
-    return Gravity(tuple(down), fluid_level_mm=float(level))
-
-
-def solved(
-    mesh: TetMesh, path: LoadPath, materials: Mapping[int, NeoHookean] = TRUE_MATERIALS
-) -> FloatArray:
-    """Return the displacement at the last level in equilibrium."""
-    found = Solver(Body(mesh, materials)).solve(path)
-    return found.displacement[int((found.status == 0).sum()) - 1]
 
 
 def measured(

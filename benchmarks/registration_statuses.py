@@ -25,8 +25,9 @@ import numpy as np
 from held_out import Log
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
+from physgnn.evaluation.in_silico.cases import BONE_NOISE_MM, N_BONE, Case
 from physgnn.evaluation.in_silico.compared import TOLD_MM, Compared
-from physgnn.evaluation.in_silico.shifts import BONE_NOISE_MM, N_BONE, Case, Truth
+from physgnn.evaluation.in_silico.shifts import Truth
 from physgnn.geometry.measured import BonePoints, PointPairs, SurfacePoints
 from physgnn.prediction import PredictionStatus
 from tables import machine, table

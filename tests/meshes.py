@@ -38,3 +38,21 @@ def block_mesh(n: int, side: float = 10.0, jitter: float = 0.0) -> TetMesh:
             "loaded": np.flatnonzero(points[:, 2] == side),
         },
     )
+
+
+BOX_MM = 60.0
+
+
+def brain_in_a_box() -> TetMesh:
+    """A block in a box, open at the top, with a tumour near the top."""
+    block = block_mesh(6, side=BOX_MM)
+    x, y, z = block.points.T
+    wall = (z == 0) | np.isin(x, [0, BOX_MM]) | np.isin(y, [0, BOX_MM])
+    centres = block.points[block.cells].mean(axis=1)
+    tumour = (np.abs(centres - [30, 30, 40]) < 10).all(axis=1)
+    return TetMesh(
+        block.points,
+        block.cells,
+        tumour.astype(np.int32),
+        {"fixed": np.flatnonzero(wall)},
+    )

@@ -21,7 +21,7 @@ from physgnn.registration.causes import (
 )
 from physgnn.registration.mode_response import ModeResponse
 from physgnn.registration.registrar import Registrar
-from physgnn.stages.patient.intraoperative.removed_region import resected
+from physgnn.registration.removed_region import resected
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(6000.0, 0.45)}
 

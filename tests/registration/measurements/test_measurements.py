@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,7 +17,11 @@ from physgnn.geometry.measured import (
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
-from physgnn.registration.measurements.places import surface_interpolation
+from physgnn.mechanics.resection import remove_region
+from physgnn.registration.measurements.places import (
+    exposed_faces,
+    surface_interpolation,
+)
 from physgnn.registration.measurements.points import measured_landmarks, measured_pairs
 from physgnn.registration.measurements.surfaces import (
     MeasuredSurface,
@@ -140,3 +146,27 @@ def test_which_points_of_a_surface_count_does_not_depend_on_where_they_lie() -> 
     points = np.random.default_rng(0).normal(size=(2000, 3))
     few, again = (SurfacePoints(p).thinned(300).points for p in (points, points + 1e-6))
     np.testing.assert_allclose(few + 1e-6, again, atol=1e-12)
+
+
+def test_the_wall_of_a_void_inside_is_not_seen() -> None:
+    block = block_mesh(6, side=60.0)
+    hollow, _ = remove_region(
+        replace(block, region=_within(block, low=20.0, high=40.0).astype(np.int32)), 1
+    )
+    held = np.flatnonzero(hollow.points[:, 2] == 0.0)
+    seen = hollow.points[exposed_faces(hollow, held)]
+    assert (np.abs(seen - 30.0).max(axis=2) == 30.0).all()
+    wall = np.abs(hollow.points[boundary_faces(hollow)] - 30.0).max(axis=2) < 30.0
+    assert wall.all(axis=1).sum() == 6 * 2 * 2 * 2
+    assert len(seen) == 5 * 2 * 6**2
+    # a top that sank to just above the wall is still the top
+    flat = np.random.default_rng(0).uniform(20.0, 40.0, (20, 2))
+    top = SurfacePoints(np.column_stack([flat, np.full(20, 45.0)]))
+    surface = MeasuredSurface(hollow, held, top)
+    missing = surface.observe(np.zeros_like(hollow.points)).missing
+    np.testing.assert_allclose(missing, -15.0)
+
+
+def _within(mesh: TetMesh, *, low: float, high: float) -> np.ndarray:
+    centres = mesh.points[mesh.cells].mean(axis=1)
+    return ((centres > low) & (centres < high)).all(axis=1)

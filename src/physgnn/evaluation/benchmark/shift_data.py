@@ -11,8 +11,9 @@ from physgnn.arrays import BoolArray
 from physgnn.dataset.splits.meshes import split_meshes
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
+from physgnn.evaluation.in_silico.cases import Case
 from physgnn.evaluation.in_silico.compared import Compared, ShiftMeasured
-from physgnn.evaluation.in_silico.shifts import Case, Truth
+from physgnn.evaluation.in_silico.shifts import Truth
 from physgnn.evaluation.measure.metrics import points_near
 from physgnn.mechanics.body import Body
 

@@ -7,19 +7,27 @@ import numpy as np
 import pyvista as pv
 
 from physgnn.arrays import FloatArray
+from physgnn.evaluation.in_silico.cases import EXPOSED_MM
 from physgnn.evaluation.in_silico.peers import (
     nearest_pairs,
     rigid,
     rigid_icp,
     spline,
 )
-from physgnn.evaluation.in_silico.shifts import EXPOSED_MM, held
-from physgnn.geometry import TetMesh, boundary_surface, mni152_phantom, tetrahedralize
+from physgnn.evaluation.in_silico.shifts import held
+from physgnn.geometry import (
+    Surface,
+    TetMesh,
+    boundary_surface,
+    mni152_phantom,
+    tetrahedralize,
+)
 from physgnn.geometry.measured import PointPairs, SurfacePoints
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
 from physgnn.registration.measurements.surfaces import N_SURFACE_POINTS
 from physgnn.registration.registrar import Registrar
+from physgnn.registration.removed_region import resected
 
 N_SKULL = 60  # points of the skull that a spline is told of
 HELD_MM, TOLD_MM = 75.0, 0.75
@@ -27,6 +35,14 @@ MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
 SURFACE_POINTS = 600
 
 ShiftMeasured = PointPairs | SurfacePoints
+AllMeasured = ShiftMeasured | Sequence[ShiftMeasured]
+
+
+def every(measured: AllMeasured) -> tuple[ShiftMeasured, ...]:
+    """Return what was measured one by one."""
+    if isinstance(measured, PointPairs | SurfacePoints):
+        return (measured,)
+    return tuple(measured)
 
 
 class Compared:
@@ -44,6 +60,12 @@ class Compared:
         As `physgnn.registration.registrar.Registrar` has them.
     surface_points : int
         About how many the brain's surface has.
+    removed : str, optional
+        A region that was resected; what is left is registered, as
+        ``physgnn register --remove`` does.
+    tumours : sequence of Surface, optional
+        As they were segmented; by default those of this coarser brain, whose
+        craniotomy and tumour lie some millimetres beside the true ones.
     """
 
     def __init__(
@@ -54,19 +76,22 @@ class Compared:
         causes: Sequence[str] | None = (),
         *,
         surface_points: int = SURFACE_POINTS,
+        removed: str | None = None,
+        tumours: Sequence[Surface] | None = None,
     ) -> None:
         phantom = mni152_phantom(n_points=surface_points)
-        surfaces = phantom.brain, phantom.tumours
-        mesh = tetrahedralize(*surfaces, target_points=n_points)
-        self.mesh = held(mesh, phantom, HELD_MM)
+        inside = phantom.tumours if tumours is None else tumours
+        mesh = tetrahedralize(phantom.brain, inside, target_points=n_points)
+        whole = held(mesh, phantom, HELD_MM)
+        self.mesh = whole if removed is None else resected(whole, removed).remaining
         self.craniotomy_point = phantom.craniotomy_point
         self.body = Body(self.mesh, MATERIALS)
         self.x = x
         self._skull, self._causes = skull, causes
         self._locate = _sampler(self.mesh, x)
-        chosen = np.random.default_rng(0).choice(self.mesh.point_set("fixed"), N_SKULL)
-        self.anchors = self.mesh.points[chosen]
-        outer = boundary_surface(self.mesh)
+        chosen = np.random.default_rng(0).choice(whole.point_set("fixed"), N_SKULL)
+        self.anchors = whole.points[chosen]
+        outer = boundary_surface(mesh)
         middles = outer.points[outer.faces].mean(axis=1)
         exposed = np.concatenate([mesh.points[np.unique(outer.faces)], middles])
         offset = np.linalg.norm(exposed - phantom.craniotomy_point, axis=1)
@@ -81,44 +106,52 @@ class Compared:
         """Return a displacement of the registered mesh at the true points."""
         return self._locate(displacement)
 
-    def pairs(self, measured: ShiftMeasured) -> PointPairs:
-        """Return pairs; those of a surface are of the nearest points at rest."""
-        if isinstance(measured, PointPairs):
-            return measured
-        return nearest_pairs(measured.thinned(N_SURFACE_POINTS), self.exposed)
+    def pairs(self, measured: AllMeasured) -> PointPairs:
+        """Return all pairs; if there are none, those nearest to a surface at rest."""
+        found = every(measured)
+        given = [one for one in found if isinstance(one, PointPairs)]
+        if not given:
+            surfaces = [one for one in found if isinstance(one, SurfacePoints)]
+            given = [
+                nearest_pairs(one.thinned(N_SURFACE_POINTS), self.exposed)
+                for one in surfaces
+            ]
+        source = np.concatenate([one.source for one in given])
+        return PointPairs(source, np.concatenate([one.target for one in given]))
 
 
-def zero(body: Compared, measured: ShiftMeasured) -> FloatArray:
+def zero(body: Compared, measured: AllMeasured) -> FloatArray:
     """Nothing moves."""
     del measured
     return np.zeros_like(body.x)
 
 
-def rigid_motion(body: Compared, measured: ShiftMeasured) -> FloatArray:
-    """All moves as one; of a surface by iterated matching."""
-    if isinstance(measured, PointPairs):
-        return rigid(measured, body.x)
-    return rigid_icp(measured.thinned(N_SURFACE_POINTS), body.exposed, body.x)
+def rigid_motion(body: Compared, measured: AllMeasured) -> FloatArray:
+    """All moves as one; of a surface alone by iterated matching."""
+    found = every(measured)
+    if len(found) == 1 and isinstance(found[0], SurfacePoints):
+        return rigid_icp(found[0].thinned(N_SURFACE_POINTS), body.exposed, body.x)
+    return rigid(body.pairs(found), body.x)
 
 
-def skull_spline(body: Compared, measured: ShiftMeasured) -> FloatArray:
+def skull_spline(body: Compared, measured: AllMeasured) -> FloatArray:
     """Interpolate by a thin-plate spline; sixty points of the skull stay."""
     return spline(body.pairs(measured), body.x, body.anchors)
 
 
-def linear_elasticity(body: Compared, measured: ShiftMeasured) -> FloatArray:
+def linear_elasticity(body: Compared, measured: AllMeasured) -> FloatArray:
     """Take the first step of our registration, linear elasticity."""
     found = body.registrar(measured, noise_mm=TOLD_MM, linear=True)
     return body.at_truth(found.prediction.displacement)
 
 
-def registration(body: Compared, measured: ShiftMeasured) -> FloatArray:
+def registration(body: Compared, measured: AllMeasured) -> FloatArray:
     """Register as ``physgnn register`` does."""
     found = body.registrar(measured, noise_mm=TOLD_MM)
     return body.at_truth(found.prediction.displacement)
 
 
-ShiftMethod = Callable[[Compared, ShiftMeasured], FloatArray]
+ShiftMethod = Callable[[Compared, AllMeasured], FloatArray]
 SHIFT_METHODS: Mapping[str, ShiftMethod] = {
     "zero": zero,
     "rigid": rigid_motion,

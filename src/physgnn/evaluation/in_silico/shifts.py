@@ -7,46 +7,28 @@ a retractor's narrow patch, and a pull on the tumour. Where the skull lets slide
 resists a third as much as the registration thinks.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from physgnn.arrays import FloatArray
+from physgnn.evaluation.in_silico.cases import Case, SeenPlaces
 from physgnn.geometry import (
     Complement,
     Phantom,
     Sphere,
     TetMesh,
-    boundary_faces,
-    boundary_points,
-    boundary_surface,
     mni152_phantom,
     select,
     tetrahedralize,
 )
-from physgnn.geometry.measured import (
-    BonePoints,
-    Landmarks,
-    PointPairs,
-    SurfacePoints,
-    WholeSurface,
-    farthest_points,
-)
-from physgnn.geometry.normals import vertex_normals
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
 from physgnn.registration.skull import ALONG_MM, Support, fixed_support, sliding_support
 from physgnn.registration.tangent_response import TangentResponse
 
-EXPOSED_MM = 30.0
-N_PAIRS, N_SURFACE, N_LANDMARKS = 50, 2000, 15
-DEEP_MM = 50.0
-N_BONE, BONE_NOISE_MM = 6, 0.5
-RIM_MM = (40.0, 60.0)  # from the middle of the craniotomy to a point of the bone
-THICK_MM = 5.0  # from the brain to it
-NOISE_MM, SHIFT_MM = (0.5, 1.0), (5.0, 12.0)
+SHIFT_MM = (5.0, 12.0)
 TRUE_HELD_MM = 80.0
 BUCKLED = 1.5  # times the linear solution
 SURFACE_POINTS = 900
@@ -58,32 +40,6 @@ def held(mesh: TetMesh, phantom: Phantom, radius_mm: float) -> TetMesh:
     """Return the mesh with the surface fixed outside of a sphere about the opening."""
     opening = Sphere(tuple(phantom.craniotomy_point), radius_mm)
     return mesh.with_point_sets(fixed=select(mesh, Complement(opening)))
-
-
-@dataclass(frozen=True)
-class Case:
-    """A true shift and what was measured of it.
-
-    Attributes
-    ----------
-    pairs : PointPairs
-        Fifty places of the exposed surface.
-    surface : SurfacePoints
-        Two thousand others, after the shift alone.
-    displacement : (n_points, 3) array
-        The truth, mm.
-    landmarks : Landmarks
-        Fifteen points inside.
-    whole : WholeSurface
-        All of the surface after the shift.
-    """
-
-    pairs: PointPairs
-    surface: SurfacePoints
-    displacement: FloatArray
-    landmarks: Landmarks
-    whole: WholeSurface
-    bone: BonePoints
 
 
 def _support(body: Body, skull: str) -> Support:
@@ -113,15 +69,8 @@ class Truth:
         surfaces = self.phantom.brain, self.phantom.tumours
         mesh = tetrahedralize(*surfaces, target_points=n_points)
         self.mesh = held(mesh, self.phantom, TRUE_HELD_MM)
-        surface = boundary_points(self.mesh)
-        self.free = np.setdiff1d(surface, self.mesh.point_set("fixed"))
-        offset = self.mesh.points[self.free] - self.phantom.craniotomy_point
-        self.exposed = self.free[np.linalg.norm(offset, axis=1) < EXPOSED_MM]
-        offset = self.mesh.points - self.phantom.craniotomy_point
-        depth = np.setdiff1d(np.arange(self.mesh.n_points), surface)
-        self.deep = depth[np.linalg.norm(offset[depth], axis=1) < DEEP_MM]
-        faces = boundary_faces(self.mesh)
-        self.faces = faces[np.isin(faces, self.exposed).all(axis=1)]
+        self.places = SeenPlaces(self.mesh, self.phantom.craniotomy_point)
+        self.free, self.exposed = self.places.free, self.places.exposed
 
     @cached_property
     def tangent(self) -> TangentResponse:
@@ -140,49 +89,7 @@ class Truth:
         # a body that buckles under a retractor is no brain any more
         sound = reached < BUCKLED * wanted * np.arange(1, len(levels) + 1) / LEVELS
         u = levels[np.argmin(np.where(sound, abs(reached - wanted), 99))]
-        noise = rng.uniform(*NOISE_MM)
-        source, target = self._measure(rng, u, N_PAIRS, noise)
-        _, surface = self._measure(rng, u, N_SURFACE, noise)
-        inside = rng.choice(self.deep, N_LANDMARKS, replace=False)
-        seen = self.mesh.points[inside]
-        found = seen + u[inside] + rng.normal(scale=noise, size=seen.shape)
-        landmarks = Landmarks(seen, found)
-        pairs, exposed = PointPairs(source, target), SurfacePoints(surface)
-        whole = self._whole(rng, u, noise)
-        return Case(pairs, exposed, u, landmarks, whole, self._bone(seed))
-
-    def _bone(self, seed: int) -> BonePoints:
-        """Return points of the bone around the craniotomy, with noise."""
-        rng = np.random.default_rng(seed)  # its own: the rest is as it was without
-        outer = boundary_surface(self.mesh)
-        far = np.linalg.norm(outer.points - self.phantom.craniotomy_point, axis=1)
-        near = np.flatnonzero((far > RIM_MM[0]) & (far < RIM_MM[1]))
-        rim = rng.permutation(np.intersect1d(near, outer.faces))
-        points = outer.points[rim] + THICK_MM * vertex_normals(outer)[rim]
-        some = points[farthest_points(points, count=N_BONE)]
-        noise = rng.normal(scale=BONE_NOISE_MM, size=some.shape)
-        return BonePoints(some, some + noise)
-
-    def _whole(
-        self, rng: np.random.Generator, u: FloatArray, noise: float
-    ) -> WholeSurface:
-        """Return the whole surface as it lies after the shift, with noise."""
-        used, faces = np.unique(boundary_faces(self.mesh), return_inverse=True)
-        moved = (self.mesh.points + u)[used]
-        moved += rng.normal(scale=noise, size=moved.shape)
-        return WholeSurface(moved, faces.reshape(-1, 3).astype(np.int64))
-
-    def _measure(
-        self, rng: np.random.Generator, u: FloatArray, count: int, noise: float
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return places on the exposed surface at rest and, with noise, moved."""
-        corners = self.faces[rng.choice(len(self.faces), count)]
-        weights = rng.dirichlet(np.ones(3), count)
-        source, moved = (
-            np.einsum("ni,nij->nj", weights, field[corners])
-            for field in (self.mesh.points, self.mesh.points + u)
-        )
-        return source, moved + rng.normal(scale=noise, size=source.shape)
+        return self.places.measured(u, rng, seed)
 
     def _linear(self, forces: FloatArray) -> FloatArray:
         rest = np.zeros_like(forces)

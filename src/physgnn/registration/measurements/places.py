@@ -3,7 +3,8 @@
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
@@ -120,6 +121,28 @@ def cell_interpolation(
     return csr_array((weights.ravel(), (rows, corners.ravel())), shape)
 
 
+def exposed_faces(mesh: TetMesh, skull: IntArray) -> FaceArray:
+    """Return the faces that are seen through an opening of the skull.
+
+    They are of the surface that the skull holds in part: nobody sees the walls of a
+    void inside, such as the cavity of a tumour that was taken out.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The rest state.
+    skull : integer array
+        Points of the surface that are not exposed.
+    """
+    faces = boundary_faces(mesh)
+    ends = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
+    graph = coo_array((np.ones(len(ends[0])), ends), (mesh.n_points, mesh.n_points))
+    part = connected_components(graph, directed=False)[1]
+    outer = np.isin(part[faces[:, 0]], part[skull])
+    seen: FaceArray = faces[outer & ~np.isin(faces, skull).all(axis=1)]
+    return seen
+
+
 def opening_direction(mesh: TetMesh, skull: IntArray) -> FloatArray:
     """Return the mean direction out of the surface that the skull doesn't hold.
 
@@ -130,8 +153,7 @@ def opening_direction(mesh: TetMesh, skull: IntArray) -> FloatArray:
     skull : integer array
         Points of the surface that are not exposed.
     """
-    faces = boundary_faces(mesh)
-    exposed = faces[~np.isin(faces, skull).all(axis=1)]
+    exposed = exposed_faces(mesh, skull)
     total = area_vectors(mesh.points, exposed).sum(axis=0)
     unit: FloatArray = total / max(float(np.linalg.norm(total)), 1e-12)
     return unit

@@ -21,6 +21,7 @@ from physgnn.registration.measurements.observation import Observation, stacked
 from physgnn.registration.measurements.places import (
     at_points,
     check_distance,
+    exposed_faces,
     nearest_places,
 )
 
@@ -33,8 +34,7 @@ class MeasuredSurface:
     kind = "surface"
 
     def __init__(self, mesh: TetMesh, skull: IntArray, surface: SurfacePoints) -> None:
-        faces = boundary_faces(mesh)
-        exposed = faces[~np.isin(faces, skull).all(axis=1)]
+        exposed = exposed_faces(mesh, skull)
         if not len(exposed):
             raise InputError("the skull holds the whole surface: nothing is exposed")
         self._matched = _Matched(mesh, exposed, surface)

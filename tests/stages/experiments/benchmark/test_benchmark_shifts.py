@@ -9,7 +9,7 @@ import pytest
 
 from meshes import block_mesh
 from physgnn.errors import InputError
-from physgnn.evaluation.in_silico.shifts import Case
+from physgnn.evaluation.in_silico.cases import Case
 from physgnn.geometry.measured import (
     BonePoints,
     Landmarks,

@@ -22,7 +22,8 @@ from physgnn.progress import Progress, no_progress
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.evaluation.benchmark.shift_data import ShiftData
-    from physgnn.evaluation.in_silico.shifts import Case, Truth
+    from physgnn.evaluation.in_silico.cases import Case
+    from physgnn.evaluation.in_silico.shifts import Truth
 
 
 def shift_data(
@@ -109,7 +110,7 @@ def _arrays(case: "Case") -> dict[str, Any]:
 
 
 def _from_arrays(arrays: Mapping[str, NDArray[Any]]) -> "Case":
-    from physgnn.evaluation.in_silico.shifts import Case
+    from physgnn.evaluation.in_silico.cases import Case
 
     return Case(
         PointPairs(arrays["pair_source"], arrays["pair_target"]),

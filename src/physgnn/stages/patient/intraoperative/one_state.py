@@ -12,13 +12,13 @@ from physgnn.geometry.measured import WholeSurface
 from physgnn.io.displacement_files import DisplacementFields
 from physgnn.io.vtk.error_fields import COVARIANCE, DEVIATION, packed
 from physgnn.progress import Log, no_log
+from physgnn.registration.removed_region import Resected
 from physgnn.stages.patient.intraoperative.measured_files import (
     Measured,
     MeasuredFiles,
     read_measured,
 )
 from physgnn.stages.patient.intraoperative.patient_body import PatientBody
-from physgnn.stages.patient.intraoperative.removed_region import Resected
 from physgnn.stages.patient.intraoperative.scan_surface import (
     ScanOptions,
     brain_surface,

@@ -15,7 +15,7 @@ from physgnn.io import read_mesh
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
-from physgnn.stages.patient.intraoperative.removed_region import Resected, resected
+from physgnn.registration.removed_region import Resected, resected
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.registration.registrar import Registrar

@@ -1,4 +1,4 @@
-"""A tumour that was taken out: named landmarks, and no tissue in images and plans."""
+"""A tumour that was taken out: no tissue in images and plans."""
 
 from pathlib import Path
 
@@ -6,41 +6,27 @@ import numpy as np
 import pytest
 
 import physgnn as pg
-from meshes import block_mesh
+from meshes import BOX_MM, brain_in_a_box
 from physgnn.cli import main
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
-from physgnn.geometry.measured import Landmarks, PointPairs, SurfacePoints
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.medical.images.formats import read_image, write_image
 from physgnn.io.vtk.prediction_file import read_removed
-from physgnn.stages.patient.intraoperative.removed_region import resected
-
-SIDE = 60.0
+from physgnn.registration.removed_region import resected
 
 
 @pytest.fixture(scope="module")
 def brain() -> TetMesh:
-    """A block in a box, open at the top, with a tumour near the top."""
-    block = block_mesh(6, side=SIDE)
-    x, y, z = block.points.T
-    wall = (z == 0) | np.isin(x, [0, SIDE]) | np.isin(y, [0, SIDE])
-    centres = block.points[block.cells].mean(axis=1)
-    tumour = (np.abs(centres - [30, 30, 40]) < 10).all(axis=1)
-    return TetMesh(
-        block.points,
-        block.cells,
-        tumour.astype(np.int32),
-        {"fixed": np.flatnonzero(wall)},
-    )
+    return brain_in_a_box()
 
 
 @pytest.fixture(scope="module")
 def case(brain: TetMesh, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("resected")
     write_mesh(folder / "case.vtu", brain)
-    top = brain.points[(brain.points[:, 2] == SIDE)]
+    top = brain.points[(brain.points[:, 2] == BOX_MM)]
     top = top[(top[:, :2] > 5).all(axis=1) & (top[:, :2] < 55).all(axis=1)]
     rows = np.hstack([top, top - np.array([0.0, 0.0, 2.0])])
     np.savetxt(folder / "pairs.csv", rows, delimiter=",")
@@ -55,38 +41,6 @@ def shift(case: Path) -> Path:
     )
     assert found.prediction.displacement[:, 2].min() < -1.0
     return out
-
-
-def test_the_wall_is_a_set_and_what_is_gone_is_kept(brain: TetMesh) -> None:
-    found = resected(brain, "tumour")
-    assert (found.remaining.region == 0).all() and (found.removed.region == 1).all()
-    volume = found.remaining.cell_volumes.sum() + found.removed.cell_volumes.sum()
-    assert volume == pytest.approx(SIDE**3)
-    wall = found.remaining.points[found.remaining.point_set("cavity")]
-    assert (np.abs(wall - [30, 30, 40]).max(axis=1) == 10).all()
-    with pytest.raises(InputError, match=r"brain, tumour \(got 'ventricle'\)"):
-        resected(brain, "ventricle")
-
-
-def test_the_brain_itself_is_not_removed(brain: TetMesh) -> None:
-    for name in ("brain", "0"):
-        with pytest.raises(InputError, match="must name a part of the brain"):
-            resected(brain, name)
-
-
-def test_landmarks_of_removed_tissue_are_named(brain: TetMesh) -> None:
-    found = resected(brain, "tumour")
-    places = np.array([[30.0, 30, 42], [30, 30, 20], [30, 30, 49.5], [10, 10, 10]])
-    names = ("core", "below", "rim", "corner")
-    with pytest.raises(InputError) as refused:
-        found.check_measured([Landmarks(places, places, names)])
-    assert "landmarks in the tumour" in str(refused.value)
-    assert "'core' (8.0 mm from the wall)" in str(refused.value)
-    assert not any(name in str(refused.value) for name in ("below", "rim", "corner"))
-    found.check_measured([Landmarks(places[1:], places[1:])])
-    found.check_measured([SurfacePoints(np.tile(places, (3, 1)))])
-    with pytest.raises(InputError, match="points in the tumour"):
-        found.check_measured([PointPairs(places, places)])
 
 
 def test_the_file_holds_what_is_left_and_what_is_gone(
