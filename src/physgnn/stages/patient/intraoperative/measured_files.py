@@ -32,8 +32,7 @@ BESIDES = {"initial_transform", "target", "landmarks_target", "bone", "bone_targ
 """Files that say nothing of a brain by themselves."""
 ReadScan = Callable[[Path, FloatArray], Surface]
 
-BOTH = "both"
-TRANSFORMED: Mapping[str, bool] = {BOTH: True, "after": False}
+TRANSFORMED: Mapping[str, bool] = {"both": True, "after": False}
 """Whether points before the shift were measured in the other space, too."""
 
 
