@@ -98,6 +98,8 @@ class BoneFit:
     outlier_share: float
 
     def __str__(self) -> str:
+        if not self.n_points:
+            return "no bone points that agree, not enough to tell it"
         points = (
             "1 bone point" if self.n_points == 1 else f"{self.n_points} bone points"
         )
@@ -119,7 +121,7 @@ class BoneFit:
 
     def contradictions(self) -> Iterator[str]:
         """Yield why the points do not agree on one offset, if they do not."""
-        if not self.chance >= LEAST_CHANCE:
+        if self.n_points and not self.chance >= LEAST_CHANCE:
             yield (
                 f"bone points are {self.misfit_mm:.1f} mm from where a rigid offset "
                 "puts them, more than the stated noise lets expect"

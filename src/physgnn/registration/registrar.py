@@ -127,7 +127,7 @@ class Registrar:
             bone points, which tell the offset of the navigation: it is corrected.
         noise_mm : float or mapping
             Standard deviation of each coordinate of a measured displacement or point,
-            in [0.001, 20]; of each kind by its name ("pairs", "landmarks", "surface",
+            in [0.0001, 20]; of each kind by its name ("pairs", "landmarks", "surface",
             "whole surface", "bone"), 1 mm where it is not named.
         rigid_offset : bool
             Correct a rigid offset of the navigation that only the brain tells of. It is

@@ -226,7 +226,7 @@ def test_a_series_takes_bone_points_of_each_state(theatre: Path) -> None:
         (("--points", "off.csv", "--bone", "case.vtu"), "must be .csv"),
         (
             ("--points", "off.csv", "--bone", "bone.csv", "--bone-noise-mm", 0),
-            "noise_mm of bone must be in [0.001, 20]",
+            "noise_mm of bone must be in [0.0001, 20]",
         ),
     ],
 )

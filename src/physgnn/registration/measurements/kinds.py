@@ -36,7 +36,7 @@ from physgnn.registration.measurements.surfaces import (
 Measured = PointPairs | Landmarks | SurfacePoints | WholeSurface
 AnyMeasured = Measured | BonePoints
 Noise = float | Mapping[str, float]
-SMALLEST_NOISE_MM, LARGEST_NOISE_MM = 0.001, 20.0  # nothing measures to a micrometre
+SMALLEST_NOISE_MM, LARGEST_NOISE_MM = 1e-4, 20.0  # nothing measures finer
 DEFAULT_NOISE_MM = 1.0
 
 
@@ -161,7 +161,7 @@ def noises_of(kinds: Sequence[str], noise_mm: Noise) -> list[float]:
     Raises
     ------
     InputError
-        If one is not in [0.001, 20] mm, of a kind that was not measured either.
+        If one is not in [0.0001, 20] mm, of a kind that was not measured either.
     """
     if not isinstance(noise_mm, Mapping):
         noise_mm = dict.fromkeys(kinds, noise_mm)
