@@ -167,6 +167,26 @@ def test_the_wall_of_a_void_inside_is_not_seen() -> None:
     np.testing.assert_allclose(missing, -15.0)
 
 
+def test_a_whole_surface_of_one_shell_shows_nothing_of_a_void_inside() -> None:
+    block = block_mesh(6, side=60.0)
+    hollow, _ = remove_region(
+        replace(block, region=_within(block, low=20.0, high=40.0).astype(np.int32)), 1
+    )
+    outside, both = map(_whole, (block, hollow))
+    rest = np.zeros_like(hollow.points)
+    for surface in (outside, both):
+        measured = MeasuredWholeSurface(hollow, surface)
+        np.testing.assert_allclose(measured.observe(rest).missing, 0.0, atol=1e-9)
+    wall = np.abs(MeasuredWholeSurface(hollow, both).points - 30.0).max(axis=1) < 20.0
+    none = np.abs(MeasuredWholeSurface(hollow, outside).points - 30.0).max(axis=1)
+    assert wall.any() and none.min() > 20.0
+
+
+def _whole(mesh: TetMesh) -> WholeSurface:
+    used, faces = np.unique(boundary_faces(mesh), return_inverse=True)
+    return WholeSurface(mesh.points[used], faces.reshape(-1, 3).astype(np.int64))
+
+
 def _within(mesh: TetMesh, *, low: float, high: float) -> np.ndarray:
     centres = mesh.points[mesh.cells].mean(axis=1)
     return ((centres > low) & (centres < high)).all(axis=1)

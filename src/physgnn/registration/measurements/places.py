@@ -135,12 +135,26 @@ def exposed_faces(mesh: TetMesh, skull: IntArray) -> FaceArray:
         Points of the surface that are not exposed.
     """
     faces = boundary_faces(mesh)
-    ends = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
-    graph = coo_array((np.ones(len(ends[0])), ends), (mesh.n_points, mesh.n_points))
-    part = connected_components(graph, directed=False)[1]
-    outer = np.isin(part[faces[:, 0]], part[skull])
-    seen: FaceArray = faces[outer & ~np.isin(faces, skull).all(axis=1)]
+    shell = shells_of(faces, mesh.n_points)
+    held = np.isin(faces, skull)
+    outer = np.isin(shell, shell[held.any(axis=1)])
+    seen: FaceArray = faces[outer & ~held.all(axis=1)]
     return seen
+
+
+def shells_of(faces: FaceArray, n_points: int) -> IntArray:
+    """Return which shell each face is of, from 0: faces of one share points.
+
+    Parameters
+    ----------
+    faces : (n_faces, 3) integer array
+    n_points : int
+        How many points there are.
+    """
+    ends = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
+    graph = coo_array((np.ones(len(ends[0])), ends), (n_points, n_points))
+    part = connected_components(graph, directed=False)[1]
+    return np.unique(part[faces[:, 0]], return_inverse=True)[1].astype(np.int64)
 
 
 def opening_direction(mesh: TetMesh, skull: IntArray) -> FloatArray:

@@ -23,6 +23,7 @@ from physgnn.registration.measurements.places import (
     check_distance,
     exposed_faces,
     nearest_places,
+    shells_of,
 )
 
 N_SURFACE_POINTS = 300  # of a measured surface: one for every 10 mm² of a craniotomy
@@ -55,9 +56,10 @@ class MeasuredWholeSurface:
     kind = "whole surface"
 
     def __init__(self, mesh: TetMesh, surface: WholeSurface) -> None:
-        self._matched = _Matched(mesh, boundary_faces(mesh), surface)
+        faces = _shown_faces(mesh, surface)
+        self._matched = _Matched(mesh, faces, surface)
         self._rest = mesh.points
-        own = np.unique(boundary_faces(mesh)).astype(np.int64)
+        own = np.unique(faces).astype(np.int64)
         order = np.random.default_rng(0).permutation(len(own))
         self._own = np.sort(own[order[:N_SURFACE_POINTS]])
         self._seen = Surface(surface.points, np.asarray(surface.faces))
@@ -77,6 +79,24 @@ class MeasuredWholeSurface:
         at_own = at_points(self._own, len(self._rest))
         back = Observation(at_own, normals[:, None, :], missing[:, None])
         return stacked([there, back])
+
+
+def _shown_faces(mesh: TetMesh, surface: WholeSurface) -> FaceArray:
+    """Return the body's faces that a measured surface can show.
+
+    One of a single shell, as a segmentation with its holes filled has it, shows nothing
+    of the wall of a void inside, such as the cavity of a tumour that was taken out.
+    """
+    faces = boundary_faces(mesh)
+    if shells_of(np.asarray(surface.faces), len(surface.points)).max(initial=0):
+        return faces
+    shell = shells_of(faces, mesh.n_points)
+    widths = [
+        float(np.ptp(mesh.points[faces[shell == k]].reshape(-1, 3), axis=0).max())
+        for k in range(int(shell.max()) + 1)
+    ]
+    outer: FaceArray = faces[shell == int(np.argmax(widths))]
+    return outer
 
 
 class _Matched:
