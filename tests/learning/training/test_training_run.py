@@ -84,7 +84,9 @@ def test_training_begins_with_the_weights_of_another_run(
     for name, value in begun.model.state_dict().items():
         torch.testing.assert_close(value, expected[name], rtol=0, atol=1e-9)
     other = replace(SMALL, options={"width": 6})
-    with pytest.raises(InputError, match="3, 2 and 8"):
+    with pytest.raises(
+        InputError, match=r"begin with, configuration 3, .*, width 8 \(got .*width 6"
+    ):
         train(store, split, other, tmp_path / "other", start=start)
 
 
@@ -222,6 +224,6 @@ def test_config_refuses_what_makes_no_sense(wrong: dict[str, object]) -> None:
 def test_refuses_an_option_the_model_has_not(
     store: Store, split: Split, tmp_path: Path
 ) -> None:
-    config = TrainingConfig(options={"depth": 3})
-    with pytest.raises(InputError, match="no option 'depth'"):
+    config = TrainingConfig(options={"tallness": 3})
+    with pytest.raises(InputError, match="no option 'tallness'"):
         train(store, split, config, tmp_path / "run")

@@ -66,6 +66,13 @@ class Architecture:
             allowed = ", ".join(map(str, DEPTHS))
             raise InputError(f"depth must be one of {allowed} (got {self.depth})")
 
+    def __str__(self) -> str:
+        jumping = "with" if self.jumping_knowledge else "without"
+        return (
+            f"configuration {self.configuration}, dataset {self.dataset}, "
+            f"{self.depth} layers, {jumping} jumping knowledge"
+        )
+
     @property
     def layers_a_block(self) -> int:
         """Layers of each of the two blocks."""

@@ -132,7 +132,12 @@ def test_register_writes_a_covariance_that_fits_its_deviation(tmp_path: Path) ->
             (),
             "no covariance at point 0",
         ),
-        ({"deviation_mm": U[:, 0]}, ("--wrong-mm", "0"), "must be > 0 (got 0.0)"),
+        ({"deviation_mm": U[:, 0]}, ("--wrong-mm", "0"), "of no use without --wrong"),
+        (
+            {"deviation_mm": U[:, 0]},
+            ("--wrong", "w.nii", "--wrong-mm", "0"),
+            "must be > 0 (got 0.0)",
+        ),
         ({"deviation_mm": U[:, 0]}, ("--wrong", "d.nii"), "same file: name another"),
         ({"deviation_mm": U[:, 0]}, ("--wrong", "no/w.nii"), "folder no is not there"),
     ],
