@@ -1,6 +1,6 @@
 """From a dataset to a trained run with calibrated bounds."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -85,20 +85,24 @@ seed
     from physgnn.learning.training.devices import Machine
 
     options = {} if configuration is None else {"configuration": configuration}
+    of_steps: dict[str, Any] = {
+        "loss": loss,
+        "batch_size": batch_size,
+        "learning_rate": learning_rate,
+        "max_epochs": max_epochs,
+        "memory_mb": memory_mb,
+        "precision": precision,
+    }
     settings = read_training(
         config,
         **_model_of_run(Path(out)) if resume else {},
         model=model,
-        loss=loss,
-        batch_size=batch_size,
-        learning_rate=learning_rate,
-        max_epochs=max_epochs,
         max_minutes=max_minutes,
-        memory_mb=memory_mb,
-        precision=precision,
         seed=seed,
         options=options,
+        **of_steps,
     )
+    _check_used(settings.model, of_steps)
     return train_run(
         store,
         split,
@@ -109,6 +113,19 @@ seed
         machine=Machine(device, devices, num_nodes),
         resume=resume,
     )
+
+
+def _check_used(model: str, of_steps: Mapping[str, object]) -> None:
+    """Raise InputError if settings of a training by steps are given for another."""
+    from physgnn.learning.models import model_class
+    from physgnn.learning.network import Network
+
+    given = [name for name, value in of_steps.items() if value is not None]
+    if given and not issubclass(model_class(model), Network):
+        options = ", ".join(f"--{name.replace('_', '-')}" for name in given)
+        raise InputError(
+            f"model '{model}' is not trained by steps: leave {options} out"
+        )
 
 
 def _model_of_run(run: Path) -> dict[str, Any]:
