@@ -110,7 +110,8 @@ def test_a_measured_surface_becomes_a_deformed_label_map(
             ("--points", "m.csv", "--skull", "loose", "-o", "o.vtu"),
             "'fixed', 'sliding'",
         ),
-        (("--points", "m.csv", "--image", "no.nii", "-o", "o.vtu"), "no such file"),
+        (("--points", "m.csv", "--image", "no.nii", "-o", "o.nii"), "no such file"),
+        (("--points", "m.csv", "--image", "no.nii", "-o", "o.vtu"), "--image is for"),
     ],
 )
 def test_register_says_what_is_wrong(
