@@ -14,6 +14,7 @@ from physgnn.stages import train
         ({"max_epochs": 5}, "--max-epochs"),
         ({"learning_rate": 0.1, "batch_size": 4}, "--batch-size, --learning-rate"),
         ({"memory_mb": 5.0}, "--memory-mb"),
+        ({"device": "cuda", "devices": 2}, "--device, --devices"),
     ],
 )
 def test_settings_of_steps_are_refused_for_what_has_none(

@@ -114,7 +114,12 @@ def register(
     ] = 1.0,
     landmark_noise_mm: Noise = None,
     surface_noise_mm: Noise = None,
-    whole_surface_noise_mm: Noise = None,
+    whole_surface_noise_mm: Annotated[
+        float | None,
+        typer.Option(
+            help="Of this; by default that of --noise-mm, and of a scan 2 mm at least."
+        ),
+    ] = None,
     bone_noise_mm: Noise = None,
     rigid_offset: Annotated[
         bool,

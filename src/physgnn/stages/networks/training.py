@@ -102,7 +102,12 @@ seed
         options=options,
         **of_steps,
     )
-    _check_used(settings.model, of_steps)
+    machine = {
+        "device": None if device == "cpu" else device,
+        "devices": None if devices == 1 else devices,
+        "num_nodes": None if num_nodes == 1 else num_nodes,
+    }
+    _check_used(settings.model, {**of_steps, **machine})
     return train_run(
         store,
         split,
