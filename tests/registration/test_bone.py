@@ -187,6 +187,8 @@ def test_points_in_another_unit_are_refused(unit: float, body: TetMesh) -> None:
     points = (RIM - SIDE / 2) / unit
     with pytest.raises(InputError, match=f"multiply them by {unit:g}"):
         check_bone(centred, BonePoints(points, points))
+    with pytest.raises(InputError, match=f"navigation.*multiply them by {unit:g}"):
+        check_bone(centred, BonePoints(RIM - SIDE / 2, points))
 
 
 def test_bone_alone_says_nothing_of_a_brain(registrar: Registrar) -> None:

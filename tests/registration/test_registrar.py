@@ -201,3 +201,13 @@ def test_another_unit_is_refused(
     given = PointPairs(top, top) if kind == "pairs" else SurfacePoints(top)
     with pytest.raises(InputError, match="must be in mm"):
         registrar(given)
+
+
+def test_one_end_of_pairs_in_another_unit_is_named(
+    registrar: Registrar, body: TetMesh
+) -> None:
+    """It was a large displacement."""
+    top = body.points[body.point_set("loaded")]
+    for ends, end in (((top / 10, top), "before"), ((top, top / 10), "after")):
+        with pytest.raises(InputError, match=rf"\({end}\).*multiply them by 10"):
+            registrar(PointPairs(*ends))

@@ -270,3 +270,11 @@ def test_names_survive_warping(labels: LabelVolume, tmp_path: Path) -> None:
     moved = read_segmentation(tmp_path / "moved.seg.nrrd")
     assert moved.names == names
     np.testing.assert_array_equal(moved.data, labels.data)
+    warp(path, tmp_path / "u.vtu", tmp_path / "unsaid", jacobian=tmp_path / "detf")
+    assert read_segmentation(tmp_path / "unsaid.seg.nrrd").names == names
+    np.testing.assert_allclose(read_image(tmp_path / "detf.nrrd").data, 1.0)
+    write_image(tmp_path / "t1.nrrd", Image(1.5 * labels.data, labels.affine))
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(InputError, match=r"holds labels, no image: name a \.nrrd"):
+        warp(tmp_path / "t1.nrrd", tmp_path / "u.vtu", tmp_path / "t1b.seg.nrrd")
+    assert sorted(tmp_path.iterdir()) == before

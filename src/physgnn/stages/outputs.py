@@ -36,6 +36,8 @@ class Output:
         An argument with which it is a folder instead of a file.
     like : str
         The argument that is the image or plan whose format a name without suffix gets.
+    may_be_labels : bool
+        Whether it can be a label map, which alone some formats hold.
     of_plans : bool
         Whether there is one where that argument is a plan; if not, the stage says so.
     beside : str
@@ -50,6 +52,7 @@ class Output:
     is_folder: bool = False
     folder_with: str = ""
     like: str = ""
+    may_be_labels: bool = True
     of_plans: bool = True
     beside: str = ""
     inside: tuple[str, ...] = ()
@@ -166,7 +169,7 @@ def _named(given: Paths, name: str, outputs: Mapping[str, Output]) -> Iterator[P
         if not (like.is_dir() or suffix_of(like)):
             yield path  # neither plan nor image: the stage says what it takes
             continue
-        named = named_like(path, like)
+        named = named_like(path, like, labels=output.may_be_labels)
         _check_suffix("an image", named, WRITTEN, named.name.lower())
         yield named
 

@@ -58,5 +58,5 @@ def uncertainty(
         )
     for path in (out, wrong):
         if path is not None:
-            print(named_like(path, image))
+            print(named_like(path, image, labels=False))
     conclude_stored(prediction)

@@ -12,6 +12,7 @@ from physgnn.learning.models import (
     model_class,
     resolved_options,
 )
+from physgnn.learning.network import Network
 
 REPAIRED, REPAIRS = "repaired", "lifted"  # the row, and whose displacements it repairs
 TOLERANCE_MM = 0.1
@@ -125,6 +126,12 @@ def method_names() -> tuple[str, ...]:
     others = [name for name in MODELS if name not in (*CHEAP, *SOLVERS)]
     cheap = [name for name in CHEAP if name in MODELS]
     return (*cheap, *others, REPAIRED, *SHIFTS_ONLY)
+
+
+def trains(name: str) -> bool:
+    """Return whether a method is a network, or made of one, that trains by steps."""
+    model = REPAIRS if name == REPAIRED else name
+    return name not in SHIFTS_ONLY and issubclass(model_class(model), Network)
 
 
 def _check_class(name: str) -> None:

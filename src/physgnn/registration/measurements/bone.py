@@ -38,6 +38,7 @@ def check_bone(mesh: TetMesh, bone: BonePoints) -> None:
     """
     surface = mesh.points[boundary_points(mesh)]
     check_same_units(bone.source, surface, "bone points")
+    check_same_units(bone.target, surface, "bone points, as the navigation finds them")
     _check_places(mesh, bone)
     apart = float(np.median(np.linalg.norm(bone.displacement, axis=1)))
     if apart > LARGEST_OFFSET_MM:

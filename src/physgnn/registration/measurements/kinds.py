@@ -142,7 +142,8 @@ def moved(measured: Measured, to: Callable[[FloatArray], FloatArray]) -> Measure
 
 def _check_units(mesh: TetMesh, measured: Measured) -> None:
     if isinstance(measured, PointPairs):
-        check_same_units(measured.source, mesh.points, "measured points")
+        for end, points in (("before", measured.source), ("after", measured.target)):
+            check_same_units(points, mesh.points, f"measured points ({end})")
     else:
         surface = mesh.points[boundary_points(mesh)]
         check_same_units(measured.points, surface, "measured surface")

@@ -213,6 +213,9 @@ def test_a_result_takes_the_format_of_its_image() -> None:
     assert named_like("a/out", "t1.seg.nrrd") == Path("a/out.seg.nrrd")
     assert named_like("out", "T1.MGZ") == Path("out.mgz")
     assert named_like("out", "dicom_folder") == Path("out.nii.gz")
+    assert named_like("out", "t1.seg.nrrd", labels=False) == Path("out.nrrd")
+    with pytest.raises(InputError, match="holds labels"):
+        named_like("out.seg.nrrd", "t1.nrrd", labels=False)
 
 
 def test_unknown_names_say_what_there_is(tmp_path: Path) -> None:

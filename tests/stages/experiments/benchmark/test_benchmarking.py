@@ -258,6 +258,7 @@ def test_tasks_without_data_are_named_and_none_at_all_is_refused(
         ({"size": "vast"}, "size must be one of tiny, full"),
         ({"minutes": 0.0}, "minutes must be > 0"),
         ({"minutes": float("nan")}, "minutes must be > 0"),
+        ({"method": "svr,rigid", "minutes": 1.0}, "svr,rigid has none"),
         ({"seed": -1}, "seed must be ≥ 0"),
         ({"report": "nowhere"}, "holds no results"),
         ({"size": "full", "task": "registration-surface"}, "mesh-never-seen in the"),

@@ -80,6 +80,9 @@ IMAGE_FORMATS: Mapping[str, ImageFormat] = {
 WRITTEN = tuple(suffix for suffix, form in IMAGE_FORMATS.items() if form.write)
 """How names of images end that can be written."""
 
+OF_LABELS = (".seg.nrrd",)
+"""Those that hold nothing but labels."""
+
 
 def read_image(
     path: str | Path,
@@ -178,13 +181,32 @@ def write_image(path: str | Path, image: Image, *, note: str = "") -> None:
     write(path, replace(image, data=data), note)
 
 
+def check_holds(path: str | Path, *, labels: bool) -> None:
+    """Raise InputError if a file of this name holds labels, and these are none.
+
+    Parameters
+    ----------
+    path : path
+        Where an image is to go.
+    labels : bool
+        Whether it is a label map.
+
+    Raises
+    ------
+    InputError
+        If the name is that of a segmentation and the image is no label map.
+    """
+    if suffix_of(path) in OF_LABELS and not labels:
+        raise InputError(f"{path}: a .seg.nrrd holds labels, no image: name a .nrrd")
+
+
 def suffix_of(path: str | Path) -> str:
     """Return the suffix in the table that a name ends in, or nothing."""
     name = Path(path).name.lower()
     return next((suffix for suffix in IMAGE_FORMATS if name.endswith(suffix)), "")
 
 
-def named_like(out: str | Path, image: str | Path) -> Path:
+def named_like(out: str | Path, image: str | Path, *, labels: bool = True) -> Path:
     """Return the name of a result: in the format of an image unless it says another.
 
     Parameters
@@ -194,21 +216,26 @@ def named_like(out: str | Path, image: str | Path) -> Path:
     image : path
         What the result is made of. The result of a DICOM series, and of others that
         cannot be written, is NIfTI.
+    labels : bool
+        Whether the result may be a label map; if not, that of a .seg.nrrd is .nrrd.
 
     Raises
     ------
     InputError
-        If that is the image itself.
+        If that is the image itself, or a name of label maps for what can be none.
     """
     named = Path(out)
     if not named.suffix:
         suffix = suffix_of(image)
+        if suffix in OF_LABELS and not labels:
+            suffix = ".nrrd"
         suffix = suffix if suffix in WRITTEN else ".nii.gz"
         named = named.with_name(named.name + suffix)
     if named.resolve() == Path(image).resolve():
         raise InputError(
             f"{named} would be written over the image it is made of: name another file"
         )
+    check_holds(named, labels=labels)
     return named
 
 

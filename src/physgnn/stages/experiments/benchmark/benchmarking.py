@@ -116,7 +116,7 @@ def benchmark(
     """
     if report is not None:
         return _drawn(Path(report), Path(out))
-    from physgnn.evaluation.benchmark.methods import MINUTES, named_methods
+    from physgnn.evaluation.benchmark.methods import MINUTES, named_methods, trains
     from physgnn.evaluation.benchmark.tasks import SIZES, named_tasks
 
     if size not in SIZES:
@@ -129,6 +129,10 @@ def benchmark(
     if seed < 0:
         raise InputError(f"seed must be ≥ 0 (got {seed})")
     tasks, methods = named_tasks(task), named_methods(method)
+    if minutes is not None and not any(map(trains, methods)):
+        raise InputError(
+            f"--minutes is how long networks train: {method} has none: leave it out"
+        )
     folder, outcome = Path(out), BenchmarkOutcome()
     given = None if data is None else Path(data)
     for name in tasks:

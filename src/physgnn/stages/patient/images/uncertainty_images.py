@@ -37,7 +37,10 @@ class UncertaintyImages:
     wrong_mm: float
 
 
-@writes(out=Output(like="image"), wrong=Output(like="image"))
+@writes(
+    out=Output(like="image", may_be_labels=False),
+    wrong=Output(like="image", may_be_labels=False),
+)
 def uncertainty(
     prediction: str | Path,
     image: str | Path,
@@ -91,7 +94,8 @@ def uncertainty(
     """
     from physgnn.prediction.wrong_position import isotropic, probability_beyond
 
-    paths = [named_like(path, image) for path in (out, wrong) if path is not None]
+    given = [path for path in (out, wrong) if path is not None]
+    paths = [named_like(path, image, labels=False) for path in given]
     found = read_error_fields(prediction, log=log)
     covariance = found.covariance_mm2
     if covariance is None:

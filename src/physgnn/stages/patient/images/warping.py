@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from physgnn.errors import InputError
-from physgnn.geometry.image import Image
+from physgnn.geometry.image import Image, LabelVolume
 from physgnn.imaging import (
     before_after,
     folding,
@@ -20,9 +20,12 @@ from physgnn.imaging.reversal import reverse
 from physgnn.imaging.slices import middle_of_shift
 from physgnn.io.integrity.atomic import whole_file
 from physgnn.io.medical.images.formats import (
+    OF_LABELS,
+    check_holds,
     named_like,
     read_image,
     read_segmentation,
+    suffix_of,
     write_image,
 )
 from physgnn.io.medical.transforms import write_field
@@ -42,7 +45,7 @@ if TYPE_CHECKING:
 @writes(
     out=Output(like="image"),
     field=Output((".h5", ".nii.gz", ".nii")),
-    jacobian=Output(like="image", of_plans=False),
+    jacobian=Output(like="image", may_be_labels=False, of_plans=False),
     slices=Output((".png",)),
 )
 def warp(
@@ -78,7 +81,7 @@ def warp(
         What comes is of the deformed state, such as a postoperative scan, and goes back
         to the rest state.
     labels : bool
-        The image is a label map.
+        The image is a label map, as a .seg.nrrd always is.
     interpolation : str, optional
         See `physgnn.imaging.image_warping`. By default linear, but the nearest voxel of
         what looks like a label map, which the log says.
@@ -121,13 +124,16 @@ def warp(
         _refuse(image, [name for name, value in given.items() if value])
         return warp_plan(image, prediction, out, back=back, log=log)
     out = named_like(out, image)
-    jacobian = None if jacobian is None else named_like(jacobian, image)
+    if jacobian is not None:
+        jacobian = named_like(jacobian, image, labels=False)
+    labels = labels or suffix_of(image) in OF_LABELS
     mesh, u = read_displacement(prediction, log=log)
     removed = read_removed(prediction)
     if back:
         mesh, u = reverse(mesh, u)
     read = read_segmentation if labels else read_image
     before = read(image, affine=affine, series=series, log=log)
+    check_holds(out, labels=isinstance(before, LabelVolume))
     guessed = not labels and interpolation is None and is_label_map(before.data)
     if guessed:
         interpolation = "nearest"
