@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from brain_block import CORNER, SIDE, VOXEL, block_of_brain, bump, voxels
+from brain_block import CORNER, SIDE, VOXEL, bump
 from physgnn.evaluation.in_silico.image_peers import IMAGE_METHODS
 from physgnn.evaluation.in_silico.simulated_images import (
     INTRAOPERATIVE,
@@ -13,16 +13,6 @@ from physgnn.evaluation.in_silico.simulated_images import (
 )
 from physgnn.geometry.image import ImageGrid
 from physgnn.geometry.tetmesh import TetMesh
-
-
-@pytest.fixture(scope="module")
-def brain() -> TetMesh:
-    return block_of_brain()
-
-
-@pytest.fixture(scope="module")
-def grid() -> ImageGrid:
-    return voxels()
 
 
 @pytest.fixture(scope="module")

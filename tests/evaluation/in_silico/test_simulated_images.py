@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from brain_block import CORNER, SIDE, VOXEL, block_of_brain, voxels
+from brain_block import CORNER, SIDE, VOXEL
 from physgnn.evaluation.in_silico.simulated_images import (
     INTRAOPERATIVE,
     PREOPERATIVE,
@@ -17,16 +17,6 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.resection import remove_region
 
 PLAIN = replace(PREOPERATIVE, bias=0.0, noise=0.0)
-
-
-@pytest.fixture(scope="module")
-def brain() -> TetMesh:
-    return block_of_brain()
-
-
-@pytest.fixture(scope="module")
-def grid() -> ImageGrid:
-    return voxels()
 
 
 @pytest.fixture(scope="module")
