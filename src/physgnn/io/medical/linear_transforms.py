@@ -17,10 +17,12 @@ from physgnn.arrays import FloatArray
 from physgnn.child_processes import ending_with_us
 from physgnn.errors import InputError
 from physgnn.imaging.transforms import RAS_TO_LPS
+from physgnn.io.medical.transform_parts import check_transform_text
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.text import read_text
 
-ITK_SUFFIXES = (".tfm", ".h5")
+TFM = ".tfm"  # text; .h5 holds the same as HDF5
+ITK_SUFFIXES = (TFM, ".h5")
 TEXT_SUFFIXES = (".txt", ".csv", ".mat")
 LARGEST_BYTES = 1 << 20  # a linear transform is small; a field is not
 TIMEOUT_S = 60.0
@@ -89,6 +91,8 @@ def _from_itk(path: Path) -> FloatArray:
             f"a linear transform is below {LARGEST_BYTES >> 20} MB (got {size >> 20} "
             "MB): this looks like a displacement field"
         )
+    if path.suffix.lower() == TFM:
+        check_transform_text(read_text(path, names_in_latin1=True))
     command = [sys.executable, "-m", "physgnn.io.medical.transform_process", str(path)]
     try:
         ended = subprocess.run(
@@ -104,7 +108,7 @@ def _from_itk(path: Path) -> FloatArray:
         raise InputError("ITK crashed on it: export it again")
     said = json.loads(ended.stdout)
     if "error" in said:
-        raise InputError(f"it cannot be read as a linear transform ({said['error']})")
+        raise InputError(str(said["error"]))
     places = np.array(said["places"])
     matrix = np.eye(4)
     matrix[:3, :3] = (places[1:] - places[0]).T

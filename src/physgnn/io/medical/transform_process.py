@@ -10,20 +10,38 @@ import sys
 import numpy as np
 import SimpleITK as sitk
 
+from physgnn.errors import InputError
+from physgnn.io.medical.transform_parts import COMPOSITE, check_sizes
+
+DAMAGED = "ITK finds no linear transform in it: export it again, as .tfm or .h5"
+
 
 def main() -> None:
     """Read the file that the command line names."""
+    said: dict[str, object]
     try:
         transform = sitk.ReadTransform(sys.argv[1])
-        if transform.GetDimension() != 3 or not transform.IsLinear():
-            said: dict[str, object] = {"error": "it is not linear in three dimensions"}
-        else:
-            corners = [np.zeros(3), *np.eye(3)]
-            said = {"places": [transform.TransformPoint(c.tolist()) for c in corners]}
-    except RuntimeError as error:
-        lines = str(error).strip().splitlines()
-        said = {"error": lines[-1].strip() if lines else "ITK cannot read it"}
+        _check(transform)
+        corners = [np.zeros(3), *np.eye(3)]
+        said = {"places": [transform.TransformPoint(c.tolist()) for c in corners]}
+    except InputError as error:
+        said = {"error": str(error)}
+    except RuntimeError:  # several lines, with addresses of ITK's own objects
+        said = {"error": DAMAGED}
     print(json.dumps(said))
+
+
+def _check(transform: sitk.Transform) -> None:
+    """Raise InputError if a transform is not linear, or is not all there."""
+    if transform.GetDimension() != 3 or not transform.IsLinear():
+        raise InputError("it must be linear in three dimensions")
+    if transform.GetName() == COMPOSITE:
+        parts = sitk.CompositeTransform(transform)
+        for i in range(parts.GetNumberOfTransforms()):
+            _check(parts.GetNthTransform(i))
+        return
+    sizes = len(transform.GetParameters()), len(transform.GetFixedParameters())
+    check_sizes(transform.GetName(), *sizes)
 
 
 if __name__ == "__main__":
