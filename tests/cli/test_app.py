@@ -80,6 +80,15 @@ def test_from_mesh_to_prediction(call: Call, folder: Path) -> None:
     assert (code, "repaired: " in out or "solved: " in out) == (0, True), err
 
 
+def test_loads_that_nothing_can_bear_are_no_success(call: Call, folder: Path) -> None:
+    loads = (folder / "loads.toml").read_text().replace("0.02", "2e6")
+    (folder / "loads.toml").write_text(loads.replace("paths = 10", "paths = 1"))
+    of = ("simulate", folder / "case.vtu", "--loads", folder / "loads.toml")
+    code, out, err = call(*of, "--workers", 1, "-o", folder / "loads.zarr")
+    assert (code, "0 of 2 levels converged" in out) == (3, True), err
+    assert "no level converged: is the mesh in mm" in err
+
+
 def test_a_folder_that_is_missing_is_missed_before_the_work(
     call: Call, folder: Path
 ) -> None:

@@ -7,6 +7,7 @@ from physgnn.geometry.plausibility import (
     check_millimetres,
     check_same_units,
     check_volume_ml,
+    other_unit,
 )
 
 ADULT = 1.4e6  # mm³
@@ -90,3 +91,12 @@ def test_what_shrinks_to_a_point_is_in_no_other_unit(sphere: np.ndarray) -> None
     body = sphere - sphere[0]
     check_same_units(body[sphere[:, 2] > 60.0] + (0.0, 0.0, 30.0), body, "surface")
     check_same_units(np.tile(body[:1] + 5.0, (10, 1)), body, "one point ten times")
+
+
+@pytest.mark.parametrize(("unit", "mm"), UNITS.items())
+def test_a_body_of_a_brain_s_size_in_another_unit_is_told(unit: str, mm: float) -> None:
+    (line,) = other_unit(1.4e6 / mm**3, "case.vtu")
+    assert unit in line
+    assert f"multiply them by {mm:g}" in line
+    assert other_unit(1.4e6, "case.vtu") == []
+    assert other_unit(1e5, "phantom.vtu") == []

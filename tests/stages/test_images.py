@@ -183,6 +183,18 @@ def test_a_mask_that_is_an_image_with_its_background(
         mesh_segmentation(tmp_path / "seg.nii", "brats", brain_mask=tmp_path / "z.nii")
 
 
+def test_what_a_mask_holds_hides_no_label_that_is_left_out(tmp_path: Path) -> None:
+    """Most of a tumour became brain: of brain and tumour together it was 1 %."""
+    big = np.diag([8.0, 8.0, 8.0, 1.0])
+    ball = np.linalg.norm(np.moveaxis(np.indices((32, 32, 32)), 0, -1) - 15, axis=-1)
+    tumour = np.where(ball < 2, 1, np.where(ball < 3, 3, 0))
+    write_image(tmp_path / "seg.nii", LabelVolume(tumour, big))
+    write_image(tmp_path / "mask.nii", LabelVolume((ball < 9).astype(int), big))
+    given = {"brain_mask": tmp_path / "mask.nii"}
+    with pytest.raises(InputError, match=r"not used: 3 .* of the labelled volume"):
+        mesh_segmentation(tmp_path / "seg.nii", "brats-2020", **given)
+
+
 @needs_tetgen
 def test_each_label_is_accounted_for(labels: LabelVolume, tmp_path: Path) -> None:
     write_image(tmp_path / "seg.nii", labels)

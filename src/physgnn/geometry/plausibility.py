@@ -111,6 +111,27 @@ def check_volume_ml(
     )
 
 
+def other_unit(volume_mm3: float, what: str) -> list[str]:
+    """Return a line if a body is as large as a brain in another unit than mm.
+
+    It is no more than a warning: a cube of 1 cm is a body, too.
+
+    Parameters
+    ----------
+    volume_mm3 : float
+        Of the body, if its coordinates are in mm.
+    what : str
+        What messages call it, such as a path.
+    """
+    ml = volume_mm3 / 1000.0
+    return [
+        f"{what}: it has {ml:.3g} ml, and that of a brain if its coordinates are in "
+        f"{unit}: if they are, multiply them by {mm:g}"
+        for unit, mm in UNITS.items()
+        if _within(ml * mm**3, USUAL_ML)
+    ]
+
+
 def check_same_units(points: FloatArray, body: FloatArray, what: str) -> None:
     """Check that measured points are in the unit of the body they were measured on.
 

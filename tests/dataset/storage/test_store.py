@@ -140,6 +140,29 @@ def test_a_damaged_chunk_is_named(
     assert "\n" not in str(raised.value)
 
 
+def test_a_damaged_row_is_named_where_all_are_read(
+    new_store: NewStore, made_up: MadeUp
+) -> None:
+    store = new_store()
+    for i in range(3):
+        store.write(i, made_up(store, i))
+    flip_a_bit(store.path / "result/status/c/1/0")
+    with pytest.raises(InputError, match=r"path 1 is damaged .* result/status/c/1/0"):
+        Store.open(store.path).pending()
+
+
+@pytest.mark.parametrize("name", ["status", "displacement"])
+def test_an_array_without_its_record_is_no_matter_of_one_path(
+    new_store: NewStore, made_up: MadeUp, name: str
+) -> None:
+    """What to delete was named, and deleting it did not help."""
+    store = new_store()
+    store.write(2, made_up(store, 2))
+    (store.path / "result" / name / "zarr.json").unlink()
+    with pytest.raises(InputError, match="bring the store back from a copy"):
+        Store.open(store.path).displacement(2)
+
+
 @pytest.mark.parametrize("name", ["points/c/0/0", "cells/c/0/0", "region/c/0"])
 def test_a_damaged_mesh_is_named(new_store: NewStore, name: str) -> None:
     path = new_store().path

@@ -65,6 +65,11 @@ def test_csv_with_and_without_header(tmp_path: Path) -> None:
         comments="",
     )
     check(named)
+    said = "# measured in the théâtre, 3 of them\n".encode("latin-1")
+    named.write_bytes(said + b"# " + named.read_bytes() + said)
+    check(named)
+    plain.write_bytes(said + plain.read_bytes())
+    check(plain)
 
 
 @pytest.mark.parametrize(

@@ -59,6 +59,20 @@ def test_a_nifti_that_declares_gigabytes(tmp_path: Path) -> None:
             read_image(path)
 
 
+@pytest.mark.parametrize("name", ["a.nii.gz", "a.mgz"])
+def test_what_a_packed_header_declares_is_refused_before_it_is_unpacked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """All of the bound was unpacked first, and the line asked for a little more."""
+    path = tmp_path / name
+    write_image(path, LabelVolume(np.ones((300, 300, 300), np.int32), np.eye(4)))
+    monkeypatch.setenv(VARIABLE, "0.01")
+    with pytest.raises(InputError, match=rf"would take 0\.108 GB.*{VARIABLE}=0\.109"):
+        read_image(path)
+    monkeypatch.setenv(VARIABLE, "0.109")
+    assert read_image(path).data.shape == (300, 300, 300)
+
+
 def test_a_ply_of_nothing_a_billion_times(tmp_path: Path) -> None:
     for rows in ("", "property float x\n"):
         (tmp_path / "a.ply").write_text(

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ def assert_same(one: TetMesh, other: TetMesh) -> None:
         assert other.point_set(name).dtype == np.int64
 
 
-@given(seed=st.integers(0, 1000), scale=st.floats(1e-3, 1e3))
+@given(seed=st.integers(0, 1000), scale=st.floats(0.5, 50.0))
 def test_round_trip_is_exact(
     tmp_path_factory: pytest.TempPathFactory, block: TetMesh, seed: int, scale: float
 ) -> None:
@@ -78,6 +79,19 @@ def test_names_and_folders(tmp_path: Path, block: TetMesh) -> None:
         write_mesh(tmp_path / "no" / "case.vtu", block)
     with pytest.raises(InputError, match="no such file"):
         read_mesh(tmp_path / "case.vtu")
+
+
+def test_a_mesh_in_another_unit_is_refused_or_told(
+    tmp_path: Path, block: TetMesh
+) -> None:
+    path, said = tmp_path / "case.vtu", list[str]()
+    for factor, unit in ((1e-3, "metres"), (1e3, "micrometres")):
+        write_mesh(path, replace(block, points=factor * block.points))
+        with pytest.raises(InputError, match=f"case.vtu.* must be in mm .*{unit}"):
+            read_mesh(path)
+    write_mesh(path, block)  # 1 ml
+    assert_same(read_mesh(path, log=said.append), block)
+    assert "1 ml, and that of a brain if its coordinates are in centimetres" in said[0]
 
 
 def test_files_that_are_no_mesh_of_ours(

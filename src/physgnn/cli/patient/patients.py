@@ -54,7 +54,7 @@ def adapt(
     if case is None:
         raise InputError("name the new patient's mesh, VTU (see physgnn adapt --help)")
     with working("finding equilibria"):
-        made = stages.adapt(run, case, out, preset=preset, loads=loads)
+        made = stages.adapt(run, case, out, preset=preset, loads=loads, log=say)
     bound = (
         "no error bounds"
         if made.coverage is None

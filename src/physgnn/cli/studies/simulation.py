@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from physgnn import choices, stages
-from physgnn.cli.console import progress, say
+from physgnn.cli.console import NOT_USABLE, progress, say
 from physgnn.cli.options import LoadsOption, OutFolder, PresetOption
 
 SHOWN_REMARKS, SHOWN_ERRORS = 20, 3
@@ -70,6 +70,7 @@ def simulate(
             scheduler=scheduler,
             solver=solver,
             progress=move,
+            log=say,
         )
     from physgnn.dataset import verification_of
 
@@ -84,3 +85,6 @@ def simulate(
         say(f"load path {path}: {error}")
     if did.errors:
         raise typer.Exit(1)
+    if not len(store.samples()):
+        say("no level converged: is the mesh in mm, are the loads in N?")
+        raise typer.Exit(NOT_USABLE)

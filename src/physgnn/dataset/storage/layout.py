@@ -5,7 +5,7 @@ Whatever reading a store can raise becomes `InputError` here.
 """
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -104,13 +104,24 @@ def read_rows(
         If the array is of another shape or type, a chunk's checksum is wrong, or
         there is no such row; names the chunk and the remedy.
     """
-    with _reading(group, name, row):
+    with _reading(group, name):
         array = _array(group, name)
         if array.shape != shape or array.dtype != np.dtype(dtype):
             raise ValueError(
                 f"{array.dtype} of shape {array.shape}, expected {dtype} of {shape}"
             )
-        return np.asarray(array[...] if row is None else array[row])
+    if row is not None:
+        return _row(group, name, array, row)
+    with suppress(Exception):  # what is damaged is found, and named, below
+        return np.asarray(array[...])
+    return np.stack([_row(group, name, array, i) for i in range(shape[0])])
+
+
+def _row(
+    group: "zarr.Group", name: str, array: "zarr.Array[Any]", row: int
+) -> np.ndarray[Any, Any]:
+    with _reading(group, name, row):
+        return np.asarray(array[row])
 
 
 def write_row(group: "zarr.Group", name: str, row: int, value: Any) -> None:
@@ -152,15 +163,14 @@ def damaged(group: "zarr.Group", name: str, row: int | None, reason: str) -> str
     path = store_path(group)
     where = f"array '{name}'" + ("" if row is None else f" of load path {row}")
     reason = " ".join(reason.split(". ")[0].split()).rstrip(".")
-    if not name.startswith("result/"):
+    if row is None or not name.startswith("result/"):
         return (
             f"store {path}: {where} is damaged ({reason}); bring the store back from a "
             "copy, or delete it and simulate again"
         )
-    status = "result/status/c/" + ("…" if row is None else f"{row}/0")
     return (
-        f"store {path}: {where} is damaged ({reason}); delete {status} in it "
-        "and simulate again to solve that path anew"
+        f"store {path}: {where} is damaged ({reason}); delete result/status/c/{row}/0 "
+        "in it and simulate again to solve that path anew"
     )
 
 

@@ -61,7 +61,7 @@ def check_all_used(
     Parameters
     ----------
     volumes : mapping of label to ml
-        As `label_volumes` returns them.
+        As `label_volumes` returns them, of the file itself, without a mask.
     table : LabelTable
         What they mean.
     ignore_labels : bool

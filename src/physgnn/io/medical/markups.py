@@ -26,6 +26,7 @@ from physgnn.progress import Log, no_log
 
 PAIR_COLUMNS = [f"{end}_{axis}" for end in ("source", "target") for axis in "xyz"]
 POINT_COLUMNS = list("xyz")
+WANTED = (PAIR_COLUMNS, POINT_COLUMNS)  # what the header of a table may name
 # Slicer before 4.11 wrote numbers for the coordinate system.
 FCSV_SYSTEMS = {"0": "RAS", "1": "LPS", "RAS": "RAS", "LPS": "LPS"}
 # The columns of .fcsv, see vtkMRMLMarkupsFiducialStorageNode of 3D Slicer. Newer
@@ -146,15 +147,14 @@ def _check_one_end(path: Path, lists: list[list[MarkedPoint]]) -> None:
 def _read_csv(path: Path) -> list[list[MarkedPoint]]:
     """Return one list of a file of three columns, two of one of six."""
     text = read_text(path, names_in_latin1=True)
-    rows = [row for row in csv.reader(text.splitlines()) if row]
+    rows = [row for row in csv.reader(_without_comments(text)) if row]
     columns = PAIR_COLUMNS if rows and len(rows[0]) >= 6 else POINT_COLUMNS
     if rows and not is_number(rows[0][0]):
         header = [name.strip().lower() for name in rows[0]]
-        wanted = (PAIR_COLUMNS, POINT_COLUMNS)
-        columns = next((names for names in wanted if set(names) <= set(header)), [])
+        columns = next((names for names in WANTED if set(names) <= set(header)), [])
         if not columns:
             raise InputError(
-                f"its header must name {' or '.join(map(', '.join, wanted))} (got "
+                f"its header must name {' or '.join(map(', '.join, WANTED))} (got "
                 f"{rows[0]})"
             )
         order = [header.index(name) for name in columns]
@@ -162,6 +162,21 @@ def _read_csv(path: Path) -> list[list[MarkedPoint]]:
     numbers = _numbers(rows, len(columns))
     ends = np.split(numbers, len(columns) // 3, axis=1)
     return [[MarkedPoint("", position) for position in end] for end in ends]
+
+
+def _without_comments(text: str) -> list[str]:
+    """Return the lines of a table; one after a # is a comment unless it names columns.
+
+    NumPy writes the header of a table so.
+    """
+    lines = []
+    for line in text.splitlines():
+        plain = line.lstrip().lstrip("#")
+        names = {name.strip().lower() for name in plain.split(",")}
+        names_columns = any(set(wanted) <= names for wanted in WANTED)
+        if names_columns or not line.lstrip().startswith("#"):
+            lines.append(plain)
+    return lines
 
 
 def _read_fcsv(path: Path) -> list[list[MarkedPoint]]:

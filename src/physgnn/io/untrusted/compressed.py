@@ -9,6 +9,7 @@ import gzip
 import io
 import zipfile
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +27,25 @@ NPY = ".npy"
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 Array = np.ndarray[Any, Any]
+Declared = Callable[[bytes], int]
 
 
-def read_unpacked(path: str | Path) -> bytes:
+def undeclared(start: bytes) -> int:
+    """Return 0: the first bytes say nothing of what follows."""
+    del start
+    return 0
+
+
+def read_unpacked(path: str | Path, declared: Declared = undeclared) -> bytes:
     """Return a file's bytes, unpacked and verified if it is a gzip file.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    declared : callable
+        From the first bytes to how many bytes they declare that follow, 0 if nothing:
+        too many are refused before they are unpacked.
 
     Raises
     ------
@@ -37,15 +53,18 @@ def read_unpacked(path: str | Path) -> bytes:
         If it cannot be read, its checksum or length is wrong, or it is too large.
     """
     data = read_bytes(path)
-    return unpacked(path, data) if data.startswith(GZIP_MARK) else data
+    return unpacked(path, data, declared) if data.startswith(GZIP_MARK) else data
 
 
-def unpacked(path: str | Path, data: bytes) -> bytes:
+def unpacked(path: str | Path, data: bytes, declared: Declared = undeclared) -> bytes:
     """Return what a gzip stream of a file holds, verified; see `read_unpacked`."""
     limit = allowed_bytes(path)
-    parts, total = [], 0
+    parts: list[bytes] = []
+    total = 0
     with reading(path, "a whole gzip file"), gzip.open(io.BytesIO(data)) as file:
         while part := file.read(CHUNK):
+            if not parts:
+                check_size(path, declared(part), "the image")
             parts.append(part)
             total += len(part)
             if total > limit:

@@ -11,7 +11,6 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.array_checks import checked_indices, checked_points
 from physgnn.geometry.boundary import boundary_faces, region_faces
-from physgnn.geometry.plausibility import check_millimetres
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.numbers import real_numbers, whole_numbers
@@ -63,7 +62,6 @@ def read_displacement(
             "'physgnn register'"
         )
     mesh = read_mesh(path)
-    check_millimetres(mesh.points, str(path))
     grid = read_vtk(Path(path))
     if STATE in grid.field_data:
         raise InputError(

@@ -13,12 +13,14 @@ import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
+from physgnn.geometry.plausibility import check_millimetres, other_unit
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.untrusted.input_errors import reading
 from physgnn.io.untrusted.numbers import whole_numbers
 from physgnn.io.vtk.data import VtkData
 from physgnn.io.vtk.reader import read_vtk
 from physgnn.io.vtk.writer import write_vtk
+from physgnn.progress import Log, no_log
 
 if TYPE_CHECKING:
     import pyvista as pv
@@ -112,13 +114,15 @@ def add_notes(data: "pv.DataSet", notes: Mapping[str, Sequence[str]] | None) -> 
             data.field_data[name] = list(lines)
 
 
-def read_mesh(path: str | Path) -> TetMesh:
+def read_mesh(path: str | Path, *, log: Log = no_log) -> TetMesh:
     """Read a mesh with its regions and point sets.
 
     Parameters
     ----------
     path : path
         The file, .vtu; points in mm.
+    log : callable
+        Called with a line if it would be a brain in another unit.
 
     Returns
     -------
@@ -128,8 +132,8 @@ def read_mesh(path: str | Path) -> TetMesh:
     Raises
     ------
     InputError
-        If the file is missing, is no VTU, has cells other than linear tetrahedra, or
-        lacks the cell array ``region``.
+        If the file is missing, is no VTU, has cells other than linear tetrahedra, lacks
+        the cell array ``region``, or cannot be in mm.
     """
     path = Path(path)
     if not path.is_file():
@@ -141,7 +145,11 @@ def read_mesh(path: str | Path) -> TetMesh:
                 "a mesh with 'physgnn mesh'"
             )
     with reading(path, "a VTU mesh"):
-        return mesh_of(read_vtk(path))
+        mesh = mesh_of(read_vtk(path))
+    check_millimetres(mesh.points, str(path))
+    for line in other_unit(float(mesh.cell_volumes.sum()), str(path)):
+        log(line)
+    return mesh
 
 
 def mesh_of(grid: VtkData) -> TetMesh:

@@ -17,7 +17,7 @@ from physgnn.geometry import TetMesh
 from physgnn.io import read_mesh
 from physgnn.io.febio.run import find_febio
 from physgnn.mechanics.body import Body
-from physgnn.progress import Progress
+from physgnn.progress import Log, Progress, no_log
 from physgnn.stages.datasets.chosen_loads import chosen_preset
 from physgnn.stages.datasets.provenance import command_line
 from physgnn.stages.outputs import FOLDER, writes
@@ -35,6 +35,7 @@ def simulate(
     scheduler: str | None = None,
     solver: str = DEFAULT_SOLVER,
     progress: Progress | None = None,
+    log: Log = no_log,
 ) -> tuple[Store, Generation]:
     """Solve load paths, by finite elements or without; a second call resumes.
 
@@ -57,6 +58,8 @@ def simulate(
         A row of ``SOLVERS``.
     progress : callable, optional
         Called with the paths done, the paths in all, and how the last one ended.
+    log : callable
+        Called with a line if the mesh seems to be in another unit than mm.
 
     Returns
     -------
@@ -71,7 +74,7 @@ def simulate(
     """
     chosen = chosen_preset(preset, loads)
     return simulate_mesh(
-        read_mesh(case),
+        read_mesh(case, log=log),
         chosen,
         out,
         solver=solver,

@@ -25,16 +25,10 @@ def read_mgh(path: Path, options: ReadOptions) -> Voxels:
     """Read an image of FreeSurfer, packed or not."""
     import nibabel as nib
 
-    content = read_unpacked(path)
-    words = [int(n) for n in np.frombuffer(content[:28], ">i4")]
-    if len(words) < 7 or words[0] != VERSION or words[5] not in N_BYTES:
-        raise InputError(
-            "expected an image of FreeSurfer, but it cannot be read (it has no header "
-            "of one): convert it"
-        )
-    declared = N_BYTES[words[5]] * math.prod(words[1:5])
+    content = read_unpacked(path, _declared)
+    declared = _declared(content)
     check_size(path, declared, "the image")
-    if min(words[1:5]) < 1 or declared > len(content) - HEADER_BYTES:
+    if declared > len(content) - HEADER_BYTES:
         raise InputError(
             f"its header declares {declared} bytes of voxels (it has "
             f"{len(content) - HEADER_BYTES}): it is cut off or damaged, so it cannot "
@@ -49,6 +43,22 @@ def read_mgh(path: Path, options: ReadOptions) -> Voxels:
     data = np.asanyarray(image.dataobj)
     affine = affine_in_mm(path, image.affine, data.shape, unit="mm", log=options.log)
     return Voxels(data, affine)
+
+
+def _declared(start: bytes) -> int:
+    """Return how many bytes of voxels the first bytes of a file declare."""
+    words = [int(n) for n in np.frombuffer(start[:28], ">i4")]
+    if len(words) < 7 or words[0] != VERSION or words[5] not in N_BYTES:
+        raise InputError(
+            "expected an image of FreeSurfer, but it cannot be read (it has no header "
+            "of one): convert it"
+        )
+    if min(words[1:5]) < 1:
+        raise InputError(
+            f"its header declares {words[1:5]} voxels: it is damaged, so it "
+            "cannot be read; export it again"
+        )
+    return N_BYTES[words[5]] * math.prod(words[1:5])
 
 
 def write_mgh(path: Path, image: Image, note: str) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from physgnn.errors import InputError
 from physgnn.geometry.image import Image
 from physgnn.io.integrity.packed import write_packed
-from physgnn.io.medical.images.nifti_header import parsed_nifti
+from physgnn.io.medical.images.nifti_header import declared_by_nifti, parsed_nifti
 from physgnn.io.medical.images.nifti_place import place_of
 from physgnn.io.medical.images.voxels import ReadOptions, Voxels, three_axes
 from physgnn.io.untrusted.compressed import read_unpacked
@@ -22,7 +22,7 @@ DESCRIPTION_BYTES = 80  # NIfTI-1's field descrip
 
 def read_nifti(path: Path, options: ReadOptions) -> Voxels:
     """Read a NIfTI image, packed or not."""
-    image = parsed_nifti(path, read_unpacked(path))
+    image = parsed_nifti(path, read_unpacked(path, declared_by_nifti))
     data = three_axes(np.asanyarray(image.dataobj))
     return Voxels(data, place_of(path, image, options.affine, options.log))
 

@@ -31,23 +31,50 @@ def parsed_nifti(path: Path, content: bytes) -> "nib.Nifti1Image":
         If they hold no NIfTI image in one file, the header contradicts itself or
         declares more voxels than there are, or a voxel is no real number.
     """
+    kind, mark = _kind(content)
+    header = _header(kind, content)
+    _check_header(header, mark)
+    _check_size(path, header, len(content))
+    with _quiet():
+        image: nib.Nifti1Image = kind.from_bytes(content)
+    return image
+
+
+def declared_by_nifti(start: bytes) -> int:
+    """Return how many bytes of voxels the first bytes of a file declare.
+
+    Raises
+    ------
+    InputError
+        If they are no NIfTI header.
+    """
+    return _declared(_header(_kind(start)[0], start))
+
+
+def _kind(start: bytes) -> tuple[Any, bytes]:
+    """Return nibabel's class for what begins so, and the mark of its header."""
     import nibabel as nib
 
-    sizes = {int.from_bytes(content[:4], order) for order in ("little", "big")}
+    sizes = {int.from_bytes(start[:4], order) for order in ("little", "big")}
     name, mark = next((KINDS[n] for n in sizes if n in KINDS), ("", b""))
     if not name:
         raise InputError(
             "expected a NIfTI image, but it cannot be read (it has no header of one): "
             "convert it"
         )
-    kind = getattr(nib, name)
+    return getattr(nib, name), mark
+
+
+def _header(kind: Any, start: bytes) -> Any:
     with _quiet():
-        header = kind.header_class.from_fileobj(io.BytesIO(content), check=False)
-    _check_header(header, mark)
-    _check_size(path, header, len(content))
-    with _quiet():
-        image: nib.Nifti1Image = kind.from_bytes(content)
-    return image
+        return kind.header_class.from_fileobj(io.BytesIO(start), check=False)
+
+
+def _declared(header: Any) -> int:
+    declared = int(header.get_data_dtype().itemsize)
+    for n in header.get_data_shape():  # in Python's integers, which do not overflow
+        declared *= int(n)
+    return declared
 
 
 def _check_header(header: Any, mark: bytes) -> None:
@@ -74,9 +101,7 @@ def _check_header(header: Any, mark: bytes) -> None:
 
 
 def _check_size(path: Path, header: Any, n_bytes: int) -> None:
-    declared = header.get_data_dtype().itemsize
-    for n in header.get_data_shape():  # in Python's integers, which do not overflow
-        declared *= int(n)
+    declared = _declared(header)
     check_size(path, declared, "the image")
     offset = float(header["vox_offset"])
     if not 0 <= offset <= n_bytes or declared > n_bytes - int(offset):

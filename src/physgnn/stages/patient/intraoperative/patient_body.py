@@ -15,6 +15,7 @@ from physgnn.io import read_mesh
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials.table import Material
 from physgnn.mechanics.materials.tissues import TISSUES
+from physgnn.progress import Log, no_log
 from physgnn.registration.removed_region import Resected, resected
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
@@ -80,15 +81,19 @@ class PatientBody:
     resection: Resected | None = None
 
 
-def patient_of(mesh: str | Path, held: HowItIsHeld) -> PatientBody:
+def patient_of(
+    mesh: str | Path, held: HowItIsHeld, *, log: Log = no_log
+) -> PatientBody:
     """Return the patient of a mesh file; by default of the published tissues.
+
+    The log gets a line if the mesh seems to be in another unit than mm.
 
     Raises
     ------
     InputError
         If a file cannot be used, or what is removed is not there.
     """
-    case, resection = read_mesh(mesh), None
+    case, resection = read_mesh(mesh, log=log), None
     if held.remove is not None:
         resection = resected(case, held.remove)
         case = resection.remaining

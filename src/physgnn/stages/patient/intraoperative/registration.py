@@ -213,7 +213,7 @@ def register(
         _refuse(form=form, image=image, misfits=misfits, report=report, picture=picture)
         states = read_states(series, files)
         _check_used(states, how)
-        patient = _patient(mesh, held, registrar)
+        patient = _patient(mesh, held, registrar, log)
         return register_states(patient, states, Path(out), how, log=log)
     written = form_of(out, form)
     if report is None:
@@ -224,7 +224,7 @@ def register(
     scan = None if image is None else read_image(image, affine=affine, log=log)
     if not files.paths:
         raise InputError(NOTHING)
-    patient = _patient(mesh, held, registrar)
+    patient = _patient(mesh, held, registrar, log)
     state = register_state(
         patient.make(),
         files,
@@ -243,10 +243,10 @@ def register(
 
 
 def _patient(
-    mesh: str | Path, held: HowItIsHeld, registrar: "Registrar | None"
+    mesh: str | Path, held: HowItIsHeld, registrar: "Registrar | None", log: Log
 ) -> PatientBody:
     if registrar is None:
-        return patient_of(mesh, held)
+        return patient_of(mesh, held, log=log)
     return ready_patient(checked_registrar(registrar, mesh, held))
 
 

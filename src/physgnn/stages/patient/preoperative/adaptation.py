@@ -11,6 +11,7 @@ from physgnn.dataset.presets import Preset, find_preset
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
 from physgnn.io import read_mesh
+from physgnn.progress import Log, no_log
 from physgnn.stages.datasets.chosen_loads import chosen_preset
 from physgnn.stages.outputs import Output, writes
 
@@ -45,6 +46,7 @@ def adapt(
     *,
     preset: str | None = None,
     loads: str | Path | None = None,
+    log: Log = no_log,
 ) -> Adapted:
     """Make a trained network ready for a patient it never saw, in seconds.
 
@@ -62,6 +64,8 @@ def adapt(
         A row of ``PRESETS``; or else `loads`. Its load paths say what loads to expect.
     loads : path, optional
         TOML with point sets, materials and loads: see `physgnn.config.simulation`.
+    log : callable
+        Called with a line if the mesh seems to be in another unit than mm.
 
     Returns
     -------
@@ -75,7 +79,7 @@ def adapt(
         the mesh, or the folder holds a run already.
     """
     chosen = chosen_preset(preset, loads)
-    return adapt_run(family_run(run), read_mesh(case), chosen, out)
+    return adapt_run(family_run(run), read_mesh(case, log=log), chosen, out)
 
 
 def family_run(run: str | Path | None) -> Path:

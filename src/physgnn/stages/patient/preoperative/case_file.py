@@ -98,7 +98,7 @@ def init(
     """
     if not RADIUS_MM[0] <= radius_mm <= RADIUS_MM[1]:
         raise InputError(f"radius_mm must be in 5…100 (got {radius_mm})")
-    mesh = read_mesh(case)
+    mesh = read_mesh(case, log=log)
     surface = boundary_surface(mesh)
     point = (
         _nearest_to_tumour(mesh, surface)

@@ -146,7 +146,8 @@ def _label_map(
     """Return a label map and what its labels mean, once all of it is accounted for."""
     volume = read_segmentation(path, affine=read.affine, series=read.series, log=log)
     check_is_segmentation(volume)
-    name, lines = resolved(labels, label_volumes(volume))
+    own = label_volumes(volume)  # a mask would drown what it leaves out
+    name, lines = resolved(labels, own)
     table = label_table(name) if not volume.names else _named(labels, name, volume)
     if read.brain_mask is not None:
         volume = _with_brain(volume, table, read, log)
@@ -165,7 +166,7 @@ def _label_map(
         lines += not_there(volumes, table)
     for line in lines:
         log(line)
-    unused = check_all_used(volumes, table, ignore_labels=read.ignore_labels)
+    unused = check_all_used(own, table, ignore_labels=read.ignore_labels)
     for line in (*unused, *_check_brain(volumes, table, read)):
         log(line)
     return volume, table
