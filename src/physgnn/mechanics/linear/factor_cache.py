@@ -104,7 +104,7 @@ def _solves(solver: PardisoSolver, pattern: Pattern, data: FloatArray) -> bool:
     """Whether a factor that was read is this matrix's: its name could be another's."""
     import scipy.sparse as sp
 
-    n = pattern.n_unknowns
+    n = len(pattern.indptr) - 1
     upper = sp.csr_array((data, pattern.indices, pattern.indptr), shape=(n, n))
     right = np.random.default_rng(0).standard_normal(n)
     x = solver.solve(right)
