@@ -108,28 +108,34 @@ def mean_volume_change(J, volumes, groups, group_volumes):  # type: ignore[no-un
 @njit(cache=True)
 def cell_pressures(mean, kappa, groups):  # type: ignore[no-untyped-def]
     """Return p_e = Σ w p_g, p_g = κ ln J̄ / J̄, of every cell, MPa."""
+    part = kappa * np.log(mean) / mean / groups.shape[1]
     pressure = np.zeros(len(groups))
     for e in range(len(groups)):
         for g in groups[e]:
-            pressure[e] += kappa[g] * np.log(mean[g]) / mean[g] / groups.shape[1]
+            pressure[e] += part[g]
     return pressure
 
 
 @njit(cache=True)
-def volume_gradients(weighted, gradients, groups, group_volumes, place, n_places):  # type: ignore[no-untyped-def]
+def volume_gradients(  # type: ignore[no-untyped-def]
+    cofactors, volumes, gradients, groups, group_volumes, place, n_places
+):
     """Return ∂J̄_g/∂u for every point of every group, (n_places, 3), 1/mm.
 
-    `weighted` is V_e J_e F_e⁻ᵀ, (n_cells, 3, 3).
+    `cofactors` is J_e F_e⁻ᵀ, (n_cells, 3, 3).
     """
-    B = np.zeros((n_places, 3))
+    B, of_cell = np.zeros((n_places, 3)), np.empty((4, 3))
     for e in range(len(groups)):
-        for g in range(groups.shape[1]):
-            scale = 1 / (groups.shape[1] * group_volumes[groups[e, g]])
+        for a in range(4):
+            for i in range(3):
+                of_cell[a, i] = 0.0
+                for j in range(3):
+                    of_cell[a, i] += cofactors[e, i, j] * gradients[e, a, j]
+        for g in range(4):
+            scale = volumes[e] / (4 * group_volumes[groups[e, g]])
             for a in range(4):
-                at = place[e, g, a]
                 for i in range(3):
-                    for j in range(3):
-                        B[at, i] += scale * weighted[e, i, j] * gradients[e, a, j]
+                    B[place[e, g, a], i] += scale * of_cell[a, i]
     return B
 
 

@@ -273,7 +273,8 @@ def _assemble_groups(
     averaging = elements.averaging
     assert averaging is not None
     B = volume_gradients(
-        elements.volumes[:, None, None] * state.cofactors,
+        state.cofactors,
+        elements.volumes,
         elements.gradients,
         averaging.groups,
         averaging.volumes,
