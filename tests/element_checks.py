@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from scipy.spatial.transform import Rotation
 
 from physgnn.geometry import TetMesh
-from physgnn.mechanics.elements.tangent import assemble_tangent, make_pattern
+from physgnn.mechanics.elements.tangent import Pattern, assemble_tangent, make_pattern
 from physgnn.mechanics.elements.tet4 import Elements, internal_force, strain_energy
 
 
@@ -44,6 +44,20 @@ def check_objectivity(elements: Elements, mesh: TetMesh, seed: int):
     )
 
 
+def condensed(pattern: Pattern, data: np.ndarray) -> np.ndarray:
+    """The tangent of the unknowns, without pressures, all of it."""
+    n = len(pattern.indptr) - 1
+    upper = sp.csr_matrix((data, pattern.indices, pattern.indptr), shape=(n, n))
+    assert sp.tril(upper, -1).nnz == 0
+    assert upper.has_sorted_indices
+    whole = upper.toarray() + sp.triu(upper, 1).T.toarray()
+    moves, pressures = np.split(np.arange(n), [pattern.n_unknowns])
+    coupling = whole[np.ix_(moves, pressures)]
+    own = whole[np.ix_(pressures, pressures)]
+    assert np.count_nonzero(own) == len(own)
+    return whole[np.ix_(moves, moves)] - coupling / np.diag(own) @ coupling.T
+
+
 def check_tangent(elements: Elements, mesh: TetMesh, seed: int, *, fixed=None):
     """The tangent is the derivative of force; its upper triangle is all of it."""
     fixed = mesh.point_set("fixed") if fixed is None else fixed
@@ -51,11 +65,7 @@ def check_tangent(elements: Elements, mesh: TetMesh, seed: int, *, fixed=None):
     u = wobble(mesh, seed)
     data, inverted = assemble_tangent(elements, pattern, u)
     assert inverted == -1
-    upper = sp.csr_matrix(
-        (data, pattern.indices, pattern.indptr), shape=(pattern.n_unknowns,) * 2
-    )
-    assert sp.tril(upper, -1).nnz == 0
-    tangent = upper + sp.triu(upper, 1).T
+    tangent = condensed(pattern, data)
     step = np.zeros_like(u)
     step[pattern.free] = wobble(mesh, seed + 1)[pattern.free]
     h = 1e-6

@@ -6,11 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from element_checks import check_forces_derive_from_energy, check_tangent
+from element_checks import check_forces_derive_from_energy, check_tangent, wobble
 from meshes import block_mesh
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.averaged_pressure import make_averaging
+from physgnn.mechanics.elements.tangent import assemble_tangent
 from physgnn.mechanics.elements.tet4 import internal_force, make_elements, strain_energy
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.materials import TISSUES, MooneyRivlin, NeoHookean
@@ -49,6 +50,19 @@ def test_forces_are_the_derivative_of_energy_and_balance(elements, seed):
 @settings(max_examples=20)
 def test_tangent_is_the_derivative_of_force(elements, seed):
     check_tangent(elements, MESH, seed)
+
+
+@pytest.mark.parametrize("element", ["tet4", "tet4-averaged"])
+def test_cells_about_a_point_give_its_rows_of_the_tangent(element):
+    body = Body(MESH, BODIES[0], element=element)
+    u, pattern = wobble(MESH, 5), body.pattern
+    point = int(pattern.free[0])
+    cells = np.flatnonzero((MESH.cells == point).any(axis=1))
+    whole, _ = assemble_tangent(body.elements, pattern, u)
+    part, _ = assemble_tangent(body.elements, pattern, u, cells=cells)
+    rows = slice(*pattern.indptr[[0, 3]])
+    np.testing.assert_array_equal(part[rows], whole[rows])
+    assert not np.array_equal(part, whole)
 
 
 @pytest.mark.parametrize("elements", ELEMENTS)

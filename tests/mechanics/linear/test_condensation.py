@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 
+from element_checks import condensed
 from physgnn.mechanics import NeoHookean
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent
+from physgnn.mechanics.elements.tet4 import ELEMENTS
 from physgnn.mechanics.linear.condensation import Condensation
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
 from physgnn.mechanics.linear.protocols import LinearSolver
@@ -15,9 +16,9 @@ MATERIALS = {0: NeoHookean(3000.0, 0.49), 1: NeoHookean(7500.0, 0.49)}
 SINGLE = 2e-5  # relative; factors are in single precision
 
 
-@pytest.fixture(scope="module")
-def body(block):
-    return Body(block, MATERIALS)
+@pytest.fixture(scope="module", params=ELEMENTS)
+def body(block, request):
+    return Body(block, MATERIALS, element=request.param)
 
 
 @pytest.fixture(scope="module")
@@ -34,9 +35,7 @@ def values(body: Body, u: np.ndarray) -> np.ndarray:
 
 
 def dense(body: Body, data: np.ndarray) -> np.ndarray:
-    pattern = body.pattern
-    upper = sp.csr_matrix((data, pattern.indices, pattern.indptr)).toarray()
-    return upper + np.triu(upper, 1).T
+    return condensed(body.pattern, data)
 
 
 def moved(body: Body, points: np.ndarray, seed: int) -> np.ndarray:

@@ -8,7 +8,7 @@ import pytest
 from physgnn.mechanics import NeoHookean, RestState
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent, make_pattern
-from physgnn.mechanics.elements.tet4 import make_elements
+from physgnn.mechanics.elements.tet4 import ELEMENTS, make_elements
 from physgnn.mechanics.linear.direct_solver import (
     FACTOR_FILE,
     PardisoSolver,
@@ -32,11 +32,12 @@ def _needs_pardiso(block):
 
 
 @pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("element", ELEMENTS)
 def test_a_kept_factor_gives_the_same_bits(
-    block, force, tmp_path, monkeypatch, threads
+    block, force, tmp_path, monkeypatch, threads, element
 ):
     """MKL's two-level factors can't be written: trying to kills the process."""
-    body = Body(block, MATERIALS)
+    body = Body(block, MATERIALS, element=element)
     first = RestState(body, threads=threads, cache=tmp_path).solve(force)
 
     def refuse(*_):

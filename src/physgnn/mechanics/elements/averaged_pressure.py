@@ -11,8 +11,20 @@ a quarter of every cell around it, and a point on an interface has a group for e
 region, so pressure may jump there. Forces stay the exact derivative of an energy and
 the tangent stays symmetric.
 
+That tangent, K = K̃ + Bᵀ D B with B = ∂J̄/∂u and D diagonal, couples neighbours of
+neighbours. K̃ alone couples only neighbours. So the pressures are kept as unknowns:
+
+    | K̃      Bᵀ√D | |u|   |f|
+    | √D B   −1   | |q| = |0|
+
+has the same u as K u = f, and a factor of less than half the size. It has a negative
+eigenvalue a group, and no other, where K is positive definite, since eigenvalues keep
+their signs in block elimination.
+
 Source: average nodal pressure, Bonet & Burton 1998, Commun. Numer. Meth. Engng 14,
 437–449; for brain shift: Joldes, Wittek & Miller 2009, Commun. Numer. Meth. Engng 25.
+Block elimination: Benzi, Golub & Liesen 2005, Acta Numerica 14, 1–137; signs of
+eigenvalues: Haynsworth 1968, Linear Algebra Appl. 1, 73–81.
 """
 
 from dataclasses import dataclass
@@ -96,47 +108,58 @@ def mean_volume_change(J, volumes, groups, group_volumes):  # type: ignore[no-un
 @njit(cache=True)
 def cell_pressures(mean, kappa, groups):  # type: ignore[no-untyped-def]
     """Return p_e = Σ w p_g, p_g = κ ln J̄ / J̄, of every cell, MPa."""
+    part = kappa * np.log(mean) / mean / groups.shape[1]
     pressure = np.zeros(len(groups))
     for e in range(len(groups)):
         for g in groups[e]:
-            pressure[e] += kappa[g] * np.log(mean[g]) / mean[g] / groups.shape[1]
+            pressure[e] += part[g]
     return pressure
 
 
 @njit(cache=True)
-def volume_gradients(weighted, gradients, groups, group_volumes, place, n_places):  # type: ignore[no-untyped-def]
+def volume_gradients(  # type: ignore[no-untyped-def]
+    cofactors, volumes, gradients, groups, group_volumes, place, n_places
+):
     """Return ∂J̄_g/∂u for every point of every group, (n_places, 3), 1/mm.
 
-    `weighted` is V_e J_e F_e⁻ᵀ, (n_cells, 3, 3).
+    `cofactors` is J_e F_e⁻ᵀ, (n_cells, 3, 3).
     """
-    B = np.zeros((n_places, 3))
+    B, of_cell = np.zeros((n_places, 3)), np.empty((4, 3))
     for e in range(len(groups)):
-        for g in range(groups.shape[1]):
-            scale = 1 / (groups.shape[1] * group_volumes[groups[e, g]])
+        for a in range(4):
+            for i in range(3):
+                of_cell[a, i] = 0.0
+                for j in range(3):
+                    of_cell[a, i] += cofactors[e, i, j] * gradients[e, a, j]
+        for g in range(4):
+            scale = volumes[e] / (4 * group_volumes[groups[e, g]])
             for a in range(4):
-                at = place[e, g, a]
                 for i in range(3):
-                    for j in range(3):
-                        B[at, i] += scale * weighted[e, i, j] * gradients[e, a, j]
+                    B[place[e, g, a], i] += scale * of_cell[a, i]
     return B
 
 
-@njit(cache=True)
-def add_group_tangent(  # type: ignore[no-untyped-def]
-    mean, kappa, group_volumes, B, start, points, row, slot, indptr, data
-):
-    """Add Σ_g V_g p'_g ∂J̄_g/∂u ⊗ ∂J̄_g/∂u, p' = κ (1 − ln J̄) / J̄²."""
-    pair = 0
-    for g in range(len(mean)):
-        scale = group_volumes[g] * kappa[g] * (1 - np.log(mean[g])) / mean[g] ** 2
-        for a in range(start[g], start[g + 1]):
-            for b in range(start[g], start[g + 1]):
-                rank = slot[pair]
-                pair += 1
-                if rank < 0:
-                    continue
-                i = row[points[a]]
-                for r in range(3):
-                    at = indptr[3 * i + r] + 3 * rank - r
-                    for c in range(r if a == b else 0, 3):
-                        data[at + c] += scale * B[a, r] * B[b, c]
+def pressure_rows(
+    averaging: Averaging, mean: FloatArray, B: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return what the tangent has in the rows of the pressures.
+
+    Parameters
+    ----------
+    averaging : Averaging
+    mean : (n_groups,) array
+        J̄_g.
+    B : (n_places, 3) array
+        ∂J̄_g/∂u, 1/mm.
+
+    Returns
+    -------
+    coupling : (n_places, 3) array
+        √|D_g| ∂J̄_g/∂u, D_g = V_g p'_g, p' = κ (1 − ln J̄) / J̄².
+    diagonal : (n_groups,) array
+        −1, or 1 where D_g is not positive: a mean volume that has grown e-fold.
+    """
+    slope = averaging.kappa * (1 - np.log(mean)) / mean**2
+    D = averaging.volumes * slope
+    coupling = np.repeat(np.sqrt(np.abs(D)), np.diff(averaging.start))[:, None] * B
+    return coupling, np.where(D > 0, -1.0, 1.0)

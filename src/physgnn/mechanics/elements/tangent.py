@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.elements.averaged_pressure import (
     Averaging,
-    add_group_tangent,
+    pressure_rows,
     volume_gradients,
 )
 from physgnn.mechanics.elements.cell_kinematics import kinematics
@@ -31,6 +31,9 @@ Real = TypeVar("Real", bound=np.floating[Any])
 class Pattern:
     """Upper triangle of the tangent over the free points, in CSR.
 
+    Averaged elements have a row for the pressure of every group after those of the
+    unknowns (`physgnn.mechanics.elements.averaged_pressure`).
+
     Attributes
     ----------
     free : (n_free,) array
@@ -42,9 +45,9 @@ class Pattern:
         where the block is fixed or belongs to the transposed half.
     row : (n_points,) int32 array
         Rank of a point among the free ones, or −1.
-    group_slot : int32 array
-        The same ranks for every pair of points of every group of averaged elements,
-        pairs in order; empty for others.
+    group_slot : (n_places,) int32 array
+        For every point of every group of averaged elements: how far before the end of
+        the point's rows the group's entry is, or 0 where the point is fixed.
     """
 
     free: IntArray
@@ -56,7 +59,7 @@ class Pattern:
 
     @property
     def n_unknowns(self) -> int:
-        """Number of free degrees of freedom."""
+        """Number of free degrees of freedom; rows after these are of pressures."""
         return 3 * len(self.free)
 
     def unknowns(self, fields: NDArray[Real]) -> NDArray[Real]:
@@ -68,7 +71,8 @@ class Pattern:
 
         The diagonal comes first in every row of the upper triangle.
         """
-        values[self.indptr[:-1]] += np.repeat(per_point[self.free], 3)
+        diagonal = self.indptr[: self.n_unknowns]
+        values[diagonal] += np.repeat(per_point[self.free], 3)
 
     def on_points(self, unknowns: NDArray[Real]) -> NDArray[Real]:
         """Return fields (…, n_points, 3) of unknowns (…, n_unknowns); zero if held."""
@@ -90,15 +94,10 @@ def make_pattern(
     row[free] = np.arange(len(free), dtype=np.int32)
     a, b = np.repeat(np.arange(4), 4), np.tile(np.arange(4), 4)
     first, second = row[cells[:, a]].ravel(), row[cells[:, b]].ravel()
-    if averaging is not None:
-        pairs = _pairs(averaging.start, averaging.points)
-        first = np.concatenate([first, row[pairs[0]]])
-        second = np.concatenate([second, row[pairs[1]]])
     block_indptr, block_indices, slot = _rank_blocks(first, second, len(free))
-    indptr, indices = _expand_blocks(block_indptr, block_indices)
-    n_cell_pairs = 16 * len(cells)
-    cell_slot, group_slot = slot[:n_cell_pairs], slot[n_cell_pairs:]
-    return Pattern(free, indptr, indices, cell_slot.reshape(-1, 4, 4), row, group_slot)
+    groups = _rank_groups(averaging, row, len(free))
+    indptr, indices = _expand_blocks(block_indptr, block_indices, *groups[:3])
+    return Pattern(free, indptr, indices, slot.reshape(-1, 4, 4), row, groups[3])
 
 
 def _rank_blocks(
@@ -115,29 +114,36 @@ def _rank_blocks(
     return indptr, column.astype(np.int32), rank
 
 
-@njit(cache=True)
-def _pairs(start, points):  # type: ignore[no-untyped-def]
-    """All ordered pairs of points within each group, group by group, (2, n_pairs)."""
-    sizes = start[1:] - start[:-1]
-    pairs = np.empty((2, np.sum(sizes.astype(np.int64) ** 2)), dtype=np.int32)
-    at = 0
-    for g in range(len(sizes)):
-        for a in range(start[g], start[g + 1]):
-            for b in range(start[g], start[g + 1]):
-                pairs[0, at], pairs[1, at] = points[a], points[b]
-                at += 1
-    return pairs
+def _rank_groups(
+    averaging: Averaging | None, row: NDArray[np.int32], n_free: int
+) -> tuple[NDArray[np.int32], NDArray[np.int32], int, NDArray[np.int32]]:
+    """Return the groups of every free point in CSR, their number, and `group_slot`."""
+    if averaging is None:
+        none = np.zeros(0, dtype=np.int32)
+        return np.zeros(n_free + 1, dtype=np.int32), none, 0, none
+    n_groups = len(averaging.volumes)
+    group = np.repeat(np.arange(n_groups), np.diff(averaging.start))
+    of_point = row[averaging.points]
+    places = np.flatnonzero(of_point >= 0)
+    places = places[np.lexsort((group[places], of_point[places]))]
+    indptr = np.searchsorted(of_point[places], np.arange(n_free + 1))
+    slot = np.zeros(len(group), dtype=np.int32)
+    slot[places] = indptr[of_point[places] + 1] - np.arange(len(places))
+    return indptr.astype(np.int32), group[places].astype(np.int32), n_groups, slot
 
 
 @njit(cache=True)
-def _expand_blocks(block_indptr, block_indices):  # type: ignore[no-untyped-def]
-    """Turn a CSR of upper 3×3 blocks into a CSR of upper entries."""
+def _expand_blocks(block_indptr, block_indices, group_indptr, groups, n_groups):  # type: ignore[no-untyped-def]
+    """Turn 3×3 blocks and the pressures beside them into a CSR of upper entries."""
     n = len(block_indptr) - 1
-    indptr = np.zeros(3 * n + 1, dtype=np.int32)
+    indptr = np.zeros(3 * n + n_groups + 1, dtype=np.int32)
     for i in range(n):
         length = 3 * (block_indptr[i + 1] - block_indptr[i])
+        length += group_indptr[i + 1] - group_indptr[i]
         for r in range(3):
             indptr[3 * i + r + 1] = indptr[3 * i + r] + length - r
+    for g in range(n_groups):
+        indptr[3 * n + g + 1] = indptr[3 * n + g] + 1
     indices = np.empty(indptr[-1], dtype=np.int32)
     for i in range(n):
         for r in range(3):
@@ -147,6 +153,11 @@ def _expand_blocks(block_indptr, block_indices):  # type: ignore[no-untyped-def]
                 for c in range(first, 3):
                     indices[at] = 3 * block_indices[k] + c
                     at += 1
+            for k in range(group_indptr[i], group_indptr[i + 1]):
+                indices[at] = 3 * n + groups[k]
+                at += 1
+    for g in range(n_groups):
+        indices[indptr[3 * n + g]] = 3 * n + g
     return indptr, indices
 
 
@@ -162,6 +173,7 @@ def _add_pressure_tangent(pJ, H, A):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _assemble(  # type: ignore[no-untyped-def]
+    chosen,
     cells,
     gradients,
     rest,
@@ -178,7 +190,7 @@ def _assemble(  # type: ignore[no-untyped-def]
     F, H = np.empty((3, 3)), np.empty((3, 3))
     A, Ag = np.empty((3, 3, 3, 3)), np.empty((3, 3, 3))
     K = np.empty((4, 4, 3, 3))
-    for e in range(len(cells)):
+    for e in chosen:
         J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
         if not J > 0.0:
             return e
@@ -202,9 +214,23 @@ def _assemble(  # type: ignore[no-untyped-def]
 
 
 def assemble_tangent(
-    elements: Elements, pattern: Pattern, u: FloatArray
+    elements: Elements,
+    pattern: Pattern,
+    u: FloatArray,
+    *,
+    cells: IntArray | None = None,
 ) -> tuple[FloatArray, int]:
     """Values of K(u) in the pattern's CSR order.
+
+    Parameters
+    ----------
+    elements : Elements
+    pattern : Pattern
+    u : (n_points, 3) array
+        mm.
+    cells : integer array, optional
+        The cells that are added up, all by default. Changes of volume are averaged
+        over all in any case.
 
     Returns
     -------
@@ -223,6 +249,7 @@ def assemble_tangent(
         pressure = state.pressure
         _assemble_groups(elements, pattern, state, data)
     inverted = _assemble(
+        np.arange(len(elements.cells)) if cells is None else cells,
         elements.cells,
         elements.gradients,
         elements.rest,
@@ -242,25 +269,22 @@ def assemble_tangent(
 def _assemble_groups(
     elements: Elements, pattern: Pattern, state: MeanState, data: FloatArray
 ) -> None:
+    """Fill in the rows and columns of the pressures."""
     averaging = elements.averaging
     assert averaging is not None
     B = volume_gradients(
-        elements.volumes[:, None, None] * state.cofactors,
+        state.cofactors,
+        elements.volumes,
         elements.gradients,
         averaging.groups,
         averaging.volumes,
         averaging.place,
         len(averaging.points),
     )
-    add_group_tangent(
-        state.mean,
-        averaging.kappa,
-        averaging.volumes,
-        B,
-        averaging.start,
-        averaging.points,
-        pattern.row,
-        pattern.group_slot,
-        pattern.indptr,
-        data,
-    )
+    coupling, diagonal = pressure_rows(averaging, state.mean, B)
+    row = pattern.row[averaging.points]
+    moving = row >= 0
+    for r in range(3):
+        end = pattern.indptr[3 * row[moving] + r + 1]
+        data[end - pattern.group_slot[moving]] = coupling[moving, r]
+    data[pattern.indptr[pattern.n_unknowns : -1]] = diagonal

@@ -136,6 +136,14 @@ def _add_force(cell, gradient, volume, P, force):  # type: ignore[no-untyped-def
         force[cell[0], i] -= total  # a cell pulls on nothing but its own corners
 
 
+@njit(cache=True, inline="always")
+def _add_pressure(pJ, H, P):  # type: ignore[no-untyped-def]
+    """Add p ∂J/∂F = p J F⁻ᵀ."""
+    for i in range(3):
+        for j in range(3):
+            P[i, j] += pJ * H[i, j]
+
+
 @njit(cache=True)
 def _internal_force(  # type: ignore[no-untyped-def]
     cells, gradients, rest, volumes, law, constants, pressure, u, force
@@ -143,11 +151,13 @@ def _internal_force(  # type: ignore[no-untyped-def]
     F, H, P = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     e = 0
     # The first law has a loop of its own: choosing among laws costs a sixth of it.
-    while e < len(cells) and law[e] == 0 and len(pressure) == 0:
+    while e < len(cells) and law[e] == 0:
         J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
         if not J > 0.0:
             return e
         table.stress(0, F, H, J, constants[e], P)
+        if len(pressure):
+            _add_pressure(pressure[e] * J, H, P)
         _add_force(cells[e], gradients[e], volumes[e], P, force)
         e += 1
     for e in range(e, len(cells)):  # noqa: B020
@@ -156,9 +166,7 @@ def _internal_force(  # type: ignore[no-untyped-def]
             return e
         table.stress(law[e], F, H, J, constants[e], P)
         if len(pressure):
-            for i in range(3):
-                for j in range(3):
-                    P[i, j] += pressure[e] * J * H[i, j]
+            _add_pressure(pressure[e] * J, H, P)
         _add_force(cells[e], gradients[e], volumes[e], P, force)
     return -1
 

@@ -5,12 +5,9 @@ have deformed most has most of the change of K, and costs a hundredth of the who
 factorise.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
-from physgnn.arrays import BoolArray, FloatArray, IntArray
-from physgnn.mechanics.elements.subset import some_cells
+from physgnn.arrays import FloatArray, IntArray
 from physgnn.mechanics.elements.tangent import Pattern, assemble_tangent
 from physgnn.mechanics.elements.tet4 import Elements
 from physgnn.mechanics.linear.condensation import Condensation
@@ -51,11 +48,7 @@ class PartialRenewal:
         self._linear = Condensation(pattern, points, whole, threads=threads)
         chosen = np.zeros(elements.n_points, dtype=np.bool_)
         chosen[points] = True
-        self._cells: BoolArray = np.asarray(
-            chosen[elements.cells].any(axis=1), dtype=np.bool_
-        )
-        slot = np.ascontiguousarray(pattern.slot[self._cells])
-        self._own_pattern = replace(pattern, slot=slot)
+        self._cells = np.flatnonzero(chosen[elements.cells].any(axis=1))
 
     def renew(
         self, elements: Elements, displacement: FloatArray, stiffness: FloatArray
@@ -71,11 +64,10 @@ class PartialRenewal:
         stiffness : (n_points,) array
             Of springs at the points, N/mm.
         """
-        pattern = self._pattern
-        if elements.averaging is None:
-            elements, pattern = some_cells(elements, self._cells), self._own_pattern
-        data, inverted = assemble_tangent(elements, pattern, displacement)
-        pattern.add_to_diagonal(data, stiffness)
+        data, inverted = assemble_tangent(
+            elements, self._pattern, displacement, cells=self._cells
+        )
+        self._pattern.add_to_diagonal(data, stiffness)
         return inverted < 0 and self._linear.factorize(data)
 
     def solve(self, right: FloatArray) -> FloatArray:

@@ -8,6 +8,9 @@ with S = K_OO − K_OL K_LL⁻¹ K_LO, the static condensation of K on O (Guyan 
 Journal* 3, 380). S⁻¹ is the block O, O of K⁻¹, so that the factor of an earlier K
 solves with the earlier S. Here it does, and K_LL and K_LO are those of now. What comes
 of it is symmetric and positive definite, and balances all forces on L.
+
+Where pressures are unknowns too, those of all groups with a point of L belong to L.
+Then none of the others is coupled to it.
 """
 
 from dataclasses import dataclass
@@ -55,13 +58,20 @@ class Condensation:
         threads: int = 1,
     ) -> None:
         self._whole = whole
-        inside = _unknowns_of(pattern, points)
-        self._inside = np.flatnonzero(inside)
-        row = np.repeat(np.arange(pattern.n_unknowns), np.diff(pattern.indptr))
+        row = np.repeat(np.arange(len(pattern.indptr) - 1), np.diff(pattern.indptr))
         column = pattern.indices
+        inside = _rows_of(pattern, points, row)
+        self._n_rows = len(inside)
+        self._inside = np.flatnonzero(inside)
+        self._moving = self._inside[: 3 * len(points)]  # pressures come after them
         self._own = np.flatnonzero(inside[row] & inside[column])
         place = np.cumsum(inside) - 1
-        triangle = _triangle(place[row[self._own]], place[column[self._own]])
+        indptr = np.concatenate([[0], np.cumsum(np.bincount(place[row[self._own]]))])
+        triangle = _Triangle(
+            indptr.astype(np.int32),
+            place[column[self._own]].astype(np.int32),
+            len(self._moving),
+        )
         self._linear = make_linear_solver(triangle, precision="single", threads=threads)
         across = np.flatnonzero(inside[row] != inside[column])
         first = inside[row[across]]
@@ -87,23 +97,24 @@ class Condensation:
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return what comes of b, (n_unknowns,)."""
-        condensed = right.copy()
-        inner = self._linear.solve(right[self._inside])
+        condensed = np.zeros(self._n_rows)
+        condensed[: len(right)] = right
+        inner = self._linear.solve(condensed[self._inside])
         condensed[self._inside] = 0.0
         condensed[self._beside] -= self._coupling.T @ inner
-        x = self._whole.solve(condensed)
-        x[self._inside] = inner - self._linear.solve(self._coupling @ x[self._beside])
+        x = self._whole.solve(condensed[: len(right)])
+        inner -= self._linear.solve(self._coupling @ x[self._beside])
+        x[self._moving] = inner[: len(self._moving)]
         return x
 
 
-def _unknowns_of(pattern: Pattern, points: IntArray) -> BoolArray:
-    inside = np.zeros((len(pattern.free), 3), dtype=np.bool_)
-    inside[pattern.row[points]] = True
-    return inside.ravel()
+def _rows_of(pattern: Pattern, points: IntArray, row: IntArray) -> BoolArray:
+    """Return which rows are of the points' unknowns and pressures.
 
-
-def _triangle(row: IntArray, column: IntArray) -> _Triangle:
-    """Return a pattern of entries that come in order of their rows."""
-    n = int(row[-1]) + 1  # the diagonal is there, so every row is
-    indptr = np.concatenate([[0], np.cumsum(np.bincount(row))]).astype(np.int32)
-    return _Triangle(indptr, column.astype(np.int32), n)
+    `row` is that of every entry.
+    """
+    inside = np.zeros(len(pattern.indptr) - 1, dtype=np.bool_)
+    inside[: pattern.n_unknowns].reshape(-1, 3)[pattern.row[points]] = True
+    of_pressure = pattern.indices >= pattern.n_unknowns
+    inside[pattern.indices[inside[row] & of_pressure]] = True
+    return inside

@@ -27,6 +27,7 @@ _POSITIVE_DEFINITE, _INDEFINITE = 2, -2
 _NOT_POSITIVE = -4
 _FACTORISATION, _CLASSIC, _TWO_LEVEL = 23, 0, 1  # index in iparm, and its values
 _KILOBYTES = [15, 16]  # index in iparm: permanent memory of both phases
+_PERTURBATION, _PERTURBED, _NEGATIVE = 9, 13, 22  # index in iparm: of pivots
 FACTOR_FILE = "handle.pds"  # as pardiso_handle_store names it
 
 
@@ -75,7 +76,7 @@ def factorized(
 
 
 class PardisoSolver:
-    """MKL Pardiso, Cholesky (L Lᵀ).
+    """MKL Pardiso, Cholesky (L Lᵀ), or L D Lᵀ where there are pressures.
 
     Settings (iparm, oneMKL reference, "pardiso iparm parameter"): METIS ordering, no
     iterative refinement, no matching or scaling (K is positive definite), two-level
@@ -87,6 +88,11 @@ class PardisoSolver:
     and 12 %; on 2,000 it is 5 % and 27 %; on 144 there is no
     difference. With more threads, only its back-solves use them. But
     `pardiso_handle_store` crashes on its factors (MKL 2026.2).
+
+    With pressures the matrix is indefinite, yet needs no pivoting: at rest it is
+    quasi-definite, and so has an L D Lᵀ in any order (Vanderbei 1995, SIAM J. Optim. 5,
+    100–113). Pivots below 1e-8 of its norm are none; where there are any, or a negative
+    one too many, K is not positive definite.
     """
 
     def __init__(
@@ -99,7 +105,10 @@ class PardisoSolver:
     ) -> None:
         self.storable = storable
         self._dtype = np.float32 if precision == "single" else np.float64
-        self._n = pattern.n_unknowns
+        self._n = len(pattern.indptr) - 1
+        self._pressures = slice(pattern.n_unknowns, self._n)
+        pressures = self._n > pattern.n_unknowns
+        self._kind = _INDEFINITE if pressures else _POSITIVE_DEFINITE
         self._indptr, self._indices = pattern.indptr, pattern.indices
         self._data = np.zeros(len(pattern.indices), dtype=self._dtype)
         self._threads = threads
@@ -108,8 +117,9 @@ class PardisoSolver:
         self._iparm[[0, 1, 34]] = 1, 2, 1
         self._iparm[_FACTORISATION] = _CLASSIC if storable else _TWO_LEVEL
         self._iparm[27] = 1 if precision == "single" else 0
+        self._iparm[_PERTURBATION] = 8 if pressures else 0
         self._analysed = self._factorised = False
-        arguments = (self._handle, self._n, self._iparm)
+        arguments = (self._kind, self._handle, self._n, self._iparm)
         weakref.finalize(self, _release, *arguments)
 
     def factorize(self, data: FloatArray) -> bool:
@@ -122,15 +132,29 @@ class PardisoSolver:
         if not self._analysed:
             self._call(_ANALYSE, empty, empty, 1)
             self._analysed = True
-        self._factorised = self._call(_FACTORISE, empty, empty, 1) == 0
+        error = self._call(_FACTORISE, empty, empty, 1)
+        self._factorised = error == 0 and self._positive()
         return self._factorised
+
+    def _positive(self) -> bool:
+        """Whether K is positive definite, by the pivots of the factor with pressures.
+
+        Block elimination keeps the signs of eigenvalues: as many are negative as
+        pressures have a negative diagonal, and those of K.
+        """
+        if self._kind == _POSITIVE_DEFINITE:
+            return True  # or Cholesky would have failed
+        own = self._data[self._indptr[self._pressures]]
+        expected = np.count_nonzero(np.signbit(own))
+        negative, perturbed = self._iparm[[_NEGATIVE, _PERTURBED]].tolist()
+        return bool(perturbed == 0 and negative == expected)
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
-        b = np.ascontiguousarray(right, dtype=self._dtype)
+        b = np.ascontiguousarray(_all_rows(right, self._n), dtype=self._dtype)
         x = np.zeros_like(b)
         self._call(_SOLVE, b, x, b.size // self._n)
-        return x.astype(np.float64)
+        return x[..., : right.shape[-1]].astype(np.float64)
 
     @property
     def n_bytes(self) -> int:
@@ -170,7 +194,7 @@ class PardisoSolver:
         mkl.MKL_Set_Num_Threads_Local(self._threads)
         error = _pardiso(
             mkl,
-            (self._handle, self._n, self._iparm),
+            (self._kind, self._handle, self._n, self._iparm),
             phase,
             (self._data, self._indptr, self._indices),
             (b, x, n_right),
@@ -186,13 +210,13 @@ def _pointer(array: NDArray[Any] | None) -> Any:
 
 def _pardiso(
     mkl: Any,
-    state: tuple[NDArray[Any], int, NDArray[Any]],
+    state: tuple[int, NDArray[Any], int, NDArray[Any]],
     phase: int,
     matrix: tuple[NDArray[Any] | None, ...],
     vectors: tuple[NDArray[Any] | None, NDArray[Any] | None, int],
 ) -> int:
     """Call MKL's ``pardiso`` (oneMKL C reference) and return its error code."""
-    handle, n, iparm = state
+    kind, handle, n, iparm = state
     right, solution, n_right = vectors
     data, indptr, indices = matrix
     error = ctypes.c_int32(0)
@@ -204,7 +228,7 @@ def _pardiso(
         _pointer(handle),
         number(1),
         number(1),
-        number(_POSITIVE_DEFINITE),
+        number(kind),
         number(phase),
         number(n),
         _pointer(data),
@@ -221,17 +245,26 @@ def _pardiso(
     return error.value
 
 
-def _release(handle: NDArray[Any], n: int, iparm: NDArray[Any]) -> None:
-    _pardiso(
-        mkl_library(), (handle, n, iparm), _RELEASE, (None, None, None), (None, None, 1)
-    )
+def _release(kind: int, handle: NDArray[Any], n: int, iparm: NDArray[Any]) -> None:
+    state, nothing = (kind, handle, n, iparm), (None, None, None)
+    _pardiso(mkl_library(), state, _RELEASE, nothing, (None, None, 1))
+
+
+def _all_rows(right: NDArray[Any], n: int) -> NDArray[Any]:
+    """Return right-hand sides with zeros in the rows of pressures, (…, n)."""
+    if right.shape[-1] == n:
+        return right
+    b = np.zeros((*right.shape[:-1], n), dtype=right.dtype)
+    b[..., : right.shape[-1]] = right
+    return b
 
 
 class SuperLUSolver:
     """SciPy's SuperLU in symmetric mode: the same interface where MKL is not."""
 
     def __init__(self, pattern: UpperTriangle) -> None:
-        self._shape = (pattern.n_unknowns,) * 2
+        self._n = len(pattern.indptr) - 1
+        self._pressures = slice(pattern.n_unknowns, self._n)
         self._indptr, self._indices = pattern.indptr, pattern.indices
         self._factor: Any = None
 
@@ -240,7 +273,7 @@ class SuperLUSolver:
         import scipy.sparse as sp
         from scipy.sparse.linalg import splu
 
-        upper = sp.csr_matrix((data, self._indices, self._indptr), shape=self._shape)
+        upper = sp.csr_matrix((data, self._indices, self._indptr), shape=(self._n,) * 2)
         full = (upper + sp.triu(upper, 1).T).tocsc()
         try:
             self._factor = splu(
@@ -251,12 +284,15 @@ class SuperLUSolver:
             )
         except RuntimeError:
             return False
-        # Without pivoting, U's diagonal holds the pivots: all positive if K is.
-        return bool((self._factor.U.diagonal() > 0).all())
+        # Without pivoting, U's diagonal holds the pivots: as many are negative as those
+        # of the pressures are, and no more if K is positive definite.
+        expected = np.count_nonzero(data[self._indptr[self._pressures]] < 0)
+        return bool(np.count_nonzero(self._factor.U.diagonal() <= 0) == expected)
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
-        return np.ascontiguousarray(self._factor.solve(np.asarray(right).T).T)
+        x = self._factor.solve(_all_rows(right, self._n).T).T
+        return np.ascontiguousarray(x[..., : right.shape[-1]])
 
     @property
     def n_bytes(self) -> int:

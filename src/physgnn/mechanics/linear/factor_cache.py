@@ -1,8 +1,7 @@
 """Factors cached on disk: a large body is factorised once, not at every start.
 
 `RestState(cache=…)` uses it when asked. On the published brain (9444 points, one
-thread) a factor is read in 0.3 s and made in 0.8; it takes 125 MB. With averaged
-tetrahedra: 0.9 s, 4.4 s, 410 MB (docs/results/finite_elements.md).
+thread) a factor is read in 0.3 s and made in 0.8; it takes 125 MB.
 """
 
 import hashlib
@@ -104,7 +103,7 @@ def _solves(solver: PardisoSolver, pattern: Pattern, data: FloatArray) -> bool:
     """Whether a factor that was read is this matrix's: its name could be another's."""
     import scipy.sparse as sp
 
-    n = pattern.n_unknowns
+    n = len(pattern.indptr) - 1
     upper = sp.csr_array((data, pattern.indices, pattern.indptr), shape=(n, n))
     right = np.random.default_rng(0).standard_normal(n)
     x = solver.solve(right)

@@ -9,7 +9,12 @@ from physgnn.arrays import FloatArray
 
 
 class UpperTriangle(Protocol):
-    """The pattern of the upper triangle of a symmetric matrix, diagonal included."""
+    """The pattern of the upper triangle of a symmetric matrix, diagonal included.
+
+    Rows after those of the unknowns are of pressures, which follow from these: the
+    right-hand side is zero there, and the diagonal not
+    (`physgnn.mechanics.elements.averaged_pressure`).
+    """
 
     @property
     def indptr(self) -> NDArray[np.int32]:
@@ -21,14 +26,18 @@ class UpperTriangle(Protocol):
 
     @property
     def n_unknowns(self) -> int:
-        """Number of rows."""
+        """Number of rows that are not of pressures."""
 
 
 class Factor(Protocol):
     """Solves with a matrix that was factorised."""
 
     def solve(self, right: FloatArray) -> FloatArray:
-        """Return K⁻¹ b for b of shape (n,) or (n_right, n)."""
+        """Return K⁻¹ b for b of shape (n,) or (n_right, n).
+
+        Here n is the number of unknowns, or of all rows: pressures that b does not
+        have, the answer does not have either.
+        """
 
 
 class LinearSolver(Factor, Protocol):
