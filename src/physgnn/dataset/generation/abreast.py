@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
+NAME = "load path"
 Do = Callable[[int], tuple[str, str]]
 
 
@@ -26,7 +27,7 @@ def side_by_side(
     Exception
         What `do` raises; the other paths are then stopped.
     """
-    threads = ThreadPoolExecutor(abreast)
+    threads = ThreadPoolExecutor(abreast, thread_name_prefix=NAME)
     try:
         path_of = {threads.submit(do, i): i for i in paths}
         for future in as_completed(path_of):
