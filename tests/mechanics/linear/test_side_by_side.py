@@ -83,6 +83,20 @@ def test_a_path_of_another_tangent_has_the_spare_to_itself():
     assert set(spare.widths) == {1}
 
 
+def test_paths_that_begin_otherwise_are_solved_as_if_they_shared():
+    """Else what comes of a path would depend on which begins first."""
+
+    def walk(i, factor):
+        assert factor.factorize(AT_REST + i)
+        return factor.solve(AT_REST + i)
+
+    futures, shared, spare = walk_all(Company(), walk)
+    for future in futures:
+        np.testing.assert_array_equal(future.result(), 1.0)
+    assert (shared.factorised, spare.factorised) == (1, N_PATHS - 1)
+    assert set(spare.widths) == set(shared.widths) == {WIDTHS[0]}
+
+
 def test_a_path_that_fails_leaves_the_others_walking():
     def walk(i, factor):
         found = solves(i, factor)

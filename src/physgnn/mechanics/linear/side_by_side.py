@@ -35,23 +35,22 @@ class SharedFactor:
     ----------
     solver : LinearSolver
         Makes it and holds it.
+
+    Attributes
+    ----------
+    positive : bool
+        Whether that tangent is positive definite.
     """
 
     def __init__(self, solver: LinearSolver) -> None:
-        self.solver = solver
+        self.solver, self.positive = solver, False
         self._data: FloatArray | None = None
-        self._positive = False
 
     def is_of(self, data: FloatArray) -> bool:
         """Whether a tangent is the one that is shared."""
         if self._data is None:
-            self._data, self._positive = data, self.solver.factorize(data)
+            self._data, self.positive = data, self.solver.factorize(data)
         return np.array_equal(self._data, data)
-
-    @property
-    def positive(self) -> bool:
-        """Whether the tangent is positive definite."""
-        return self._positive
 
 
 @dataclass(eq=False)
@@ -148,7 +147,7 @@ class PathFactor:
     company : Company
         In which the path walks.
     shared : SharedFactor
-        Serves as long as its tangent is wanted.
+        Serves as long as the path wants the tangent that it begins with.
     spare : LinearSolver
         For any other tangent.
 
@@ -162,20 +161,27 @@ class PathFactor:
         self, company: Company, shared: SharedFactor, spare: LinearSolver
     ) -> None:
         self._company, self._shared, self._spare = company, shared, spare
-        self._shares, self.waited = True, 0.0
+        self._at_rest: FloatArray | None = None
+        self._rests = self._shares = True
+        self.waited = 0.0
 
     def factorize(self, data: FloatArray) -> bool:
         """Factorise K, unless it is the shared one; False if not positive definite."""
         self._company.check()
+        if self._at_rest is None:
+            self._at_rest = data
         # Once a path has had a factor of its own it keeps its turn, and the spare.
-        self._shares = self._shares and self._shared.is_of(data)
+        self._rests = self._rests and np.array_equal(self._at_rest, data)
+        self._shares = self._rests and self._shared.is_of(data)
         return self._shared.positive if self._shares else self._spare.factorize(data)
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return K⁻¹ b, (n_unknowns,)."""
         self._company.check()
-        if not self._shares:
+        if not self._rests:
             return self._spare.solve(right)
+        if not self._shares:  # but might have, had it been the first to begin
+            return solve_each(self._spare, [right])[0]
         started = time.perf_counter()
         solved, seconds = self._company.solve(self._shared, right)
         self.waited += time.perf_counter() - started - seconds
