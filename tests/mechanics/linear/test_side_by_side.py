@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from physgnn.mechanics.linear.right_sides import WIDTHS
+from physgnn.mechanics.linear.right_sides import WIDTH
 from physgnn.mechanics.linear.side_by_side import (
     Company,
     PathFactor,
@@ -62,7 +62,7 @@ def test_the_shared_factor_is_made_once_and_solves_for_all():
         for k, found in enumerate(future.result()):
             np.testing.assert_array_equal(found, 10.0 * i + k)
     assert (shared.factorised, spare.factorised) == (1, 0)
-    assert set(shared.widths) <= set(WIDTHS)
+    assert set(shared.widths) == {WIDTH}
     assert N_SOLVES <= len(shared.widths) < N_PATHS * N_SOLVES
 
 
@@ -94,7 +94,7 @@ def test_paths_that_begin_otherwise_are_solved_as_if_they_shared():
     for future in futures:
         np.testing.assert_array_equal(future.result(), 1.0)
     assert (shared.factorised, spare.factorised) == (1, N_PATHS - 1)
-    assert set(spare.widths) == set(shared.widths) == {WIDTHS[0]}
+    assert set(spare.widths) == set(shared.widths) == {WIDTH}
 
 
 def test_a_path_that_fails_leaves_the_others_walking():

@@ -18,14 +18,14 @@ from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.equilibrium.partial_renewal import LEAST_UNKNOWNS
 from physgnn.mechanics.equilibrium.solution import Solution
 from physgnn.mechanics.equilibrium.solver import Solver
-from physgnn.mechanics.linear.right_sides import WIDTHS
+from physgnn.mechanics.linear.right_sides import WIDTH
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.meshless.solver import MeshlessSolver
 from physgnn.progress import Progress
 
 ALREADY_THERE = "already there"
 DEFAULT_SOLVER = "physgnn"
-ABREAST = WIDTHS[-1]
+ABREAST = WIDTH
 MOST_UNKNOWNS = 100_000
 
 

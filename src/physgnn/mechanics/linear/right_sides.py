@@ -2,9 +2,9 @@
 
 BLAS takes other ways for other numbers of columns, so the last bits of a solution
 depend on how many right-hand sides it was solved with; a run that is killed and resumed
-would not repeat itself. So their number is always one of ``WIDTHS``, zeros among them.
-With MKL, whose results do not depend on where in memory an array lies (see
-`physgnn.mechanics.linear.mkl`), every column of these numbers has the same bits.
+would not repeat itself. So their number is always ``WIDTH``, filled up with zeros. With
+MKL, whose results do not depend on where in memory an array lies (see
+`physgnn.mechanics.linear.mkl`), the same column has the same bits in every place.
 """
 
 from collections.abc import Sequence
@@ -14,17 +14,17 @@ import numpy as np
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.linear.protocols import Factor
 
-# On 27,000 unknowns, 7.0 ms for 1, 12.4 for 4, 18 for 8; 16 have other bits.
-WIDTHS = (4, 8)
+# On 27,000 unknowns one takes 7.0 ms, 4 take 12.4, 8 take 18; but a whole load path
+# takes as long in 8, and where a run is killed twice as many paths are lost.
+WIDTH = 4
 
 
 def solve_each(factor: Factor, rights: Sequence[FloatArray]) -> list[FloatArray]:
     """Return K⁻¹ b for every b, (n,); the bits of one don't depend on the others."""
     solved: list[FloatArray] = []
     while len(solved) < len(rights):
-        some = rights[len(solved) : len(solved) + WIDTHS[-1]]
-        width = next(width for width in WIDTHS if width >= len(some))
-        columns = np.zeros((width, len(some[0])))
-        columns[: len(some)] = some
-        solved.extend(factor.solve(columns)[: len(some)])
+        some = rights[len(solved) : len(solved) + WIDTH]
+        filled = np.zeros((WIDTH, len(some[0])))
+        filled[: len(some)] = some
+        solved.extend(factor.solve(filled)[: len(some)])
     return solved

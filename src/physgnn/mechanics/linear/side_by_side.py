@@ -1,7 +1,7 @@
 """Load paths solved side by side, which share the factor of the state at rest.
 
 All load paths of a body begin at rest, and most of their back-solves are with the
-factor of that state. A back-solve reads the whole factor from memory, for eight
+factor of that state. A back-solve reads the whole factor from memory, for four
 right-hand sides as for one. So paths go side by side, each in a thread of its own, and
 what they want solved with that factor is solved together.
 
