@@ -2,31 +2,37 @@
 
     python benchmarks/fe.py ../shared/febio --paths 16
     python benchmarks/fe.py ../shared/febio --bulk-only
+    python benchmarks/fe.py ../shared/febio --side-by-side 16
 
 The folder holds reference cases, one .npz each: ``points``, ``cells``, ``region``,
 ``fixed``, ``load_nodes``, ``load_vectors``, and FEBio's ``displacement`` at some
 ``levels`` of 30. Prints Markdown tables. Everything runs in the same session; FEBio
 itself takes part if ``febio4`` is on PATH. Solvers have one thread each; single paths
 are timed in seconds of CPU, which other work on the machine disturbs least, bulk and
-FEBio by the clock.
+FEBio by the clock. With ``--side-by-side`` so many of both published datasets' paths
+are solved one by one and side by side, and nothing else.
 """
 
 import argparse
 import shutil
 import tempfile
 import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from physgnn.dataset import Store, generate, verify
-from physgnn.dataset.presets import BRAIN_AND_TUMOUR
+from physgnn.dataset.generation.pending_paths import ABREAST
+from physgnn.dataset.presets import BRAIN_AND_TUMOUR, PRESETS
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io.febio.run import COMMAND, FebioSolver
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.equilibrium.full_newton import Newton
-from physgnn.mechanics.equilibrium.solution import Status
+from physgnn.mechanics.equilibrium.solution import Solution, Status
 from physgnn.mechanics.equilibrium.solver import Solver
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.sampling import all_node_paths, equal_levels
@@ -145,6 +151,39 @@ def bulk(case: Case, n_paths: int, workers: int) -> None:
     print(f"\n{checked}; {check:.1f} s")
 
 
+def side_by_side(mesh: TetMesh, n_paths: int) -> None:
+    """Print CPU seconds a path one by one and side by side, in the same process.
+
+    Half of the paths are solved one by one before, half after.
+    """
+    rows = []
+    for name in ("paper-1", "paper-2"):
+        loaded, paths = PRESETS[name].on(mesh)
+        body, paths = Body(loaded, BRAIN_AND_TUMOUR), paths[:n_paths]
+        alone, together = Solver(body), Solver(body, side_by_side=True)
+        half = n_paths // 2
+        first, before = timed(map, alone.solve, paths[:half])
+        with ThreadPoolExecutor(ABREAST) as threads:
+            found, seconds = timed(threads.map, together.solve, paths)
+        second, after = timed(map, alone.solve, paths[half:])
+        gaps = [
+            np.linalg.norm(one.displacement - other.displacement, axis=2).max()
+            for one, other in zip([*first, *second], found, strict=True)
+        ]
+        each = (before + after) / n_paths, seconds / n_paths
+        row = (*(f"{x:.2f}" for x in each), f"{1 - each[1] / each[0]:.0%}")
+        rows.append((name, n_paths, *row, f"{max(gaps):.0e}"))
+    head = ("preset", "paths", "one by one, s a path", "side by side", "saved")
+    table((*head, "largest difference, mm"), rows)
+
+
+def timed(
+    apply: Callable[..., Iterable[Solution]], *arguments: Any
+) -> tuple[list[Solution], float]:
+    start = time.process_time()
+    return list(apply(*arguments)), time.process_time() - start
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("cases", type=Path, help="folder of reference cases")
@@ -154,6 +193,7 @@ def main() -> None:
     parser.add_argument("--paths", type=int, default=16, help="in bulk")
     parser.add_argument("--workers", type=int, default=2, help="processes in bulk")
     parser.add_argument("--bulk-only", action="store_true")
+    parser.add_argument("--side-by-side", type=int, metavar="PATHS")
     options = parser.parse_args()
     print(machine())
     load_kernels()
@@ -162,6 +202,9 @@ def main() -> None:
             print(f"\n{file.name}: left out, it holds no load path of 30 levels")
             continue
         case = read_case(file, options.levels)
+        if options.side_by_side:
+            side_by_side(case.mesh, options.side_by_side)
+            return
         print(f"\n## {file.stem}: {case.mesh.n_points} points\n")
         if not options.bulk_only:
             compare(case)

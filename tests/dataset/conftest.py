@@ -52,8 +52,9 @@ def new_store(block: TetMesh, tmp_path: Path) -> Callable[..., Store]:
         *,
         node_step: int = 1,
         force_n: float = 1e-3,
+        mesh: TetMesh = block,
     ) -> Store:
-        top = block.point_set("loaded")
+        top = mesh.point_set("loaded")
         paths = [
             LoadPath(
                 top[[(k // node_step) % len(top)]],
@@ -64,7 +65,7 @@ def new_store(block: TetMesh, tmp_path: Path) -> Callable[..., Store]:
         ]
         return Store.create(
             tmp_path / name,
-            Body(block, MATERIALS, block.point_set("fixed")),
+            Body(mesh, MATERIALS, mesh.point_set("fixed")),
             paths,
             provenance={"made": "for a test"},
         )

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import pytest
 
 from documented_pages import DOCS, blocks
 from physgnn.dataset import Store, generate, verify
+from physgnn.dataset.generation.cluster import spread
 
 NewStore = Callable[..., Store]
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
@@ -98,6 +100,17 @@ def test_one_of_two_workers_killed(
     for i in range(40):
         assert np.array_equal(store.displacement(i), alone.displacement(i))
     assert verify(store, scheduler=address).largest_mm < 1e-4
+
+
+@pytest.mark.slow
+def test_some_paths_at_once(
+    cluster: tuple[str, list[subprocess.Popen[bytes]]],
+) -> None:
+    """Every path is told of once, however many a worker does side by side."""
+    do, paths = partial(divmod, 100), list(range(1, 24))
+    for most in (1, 4):
+        found = sorted(spread(do, paths, cluster[0], most=most))  # type: ignore[arg-type]
+        assert found == [(i, *divmod(100, i)) for i in paths]
 
 
 SOLVE = """

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from multiprocessing import active_children
@@ -12,9 +13,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from meshes import block_mesh
 from physgnn.dataset import Store, generate
-from physgnn.dataset.generation.pending_paths import solve_and_write
+from physgnn.dataset.generation.abreast import NAME
+from physgnn.dataset.generation.pending_paths import (
+    SOLVE,
+    paths_abreast,
+    solve_and_write,
+)
 from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.equilibrium.solution import Status
 from physgnn.mechanics.equilibrium.solver import Solver
 
@@ -127,6 +135,63 @@ def test_two_processes_one_of_them_killed(new_store: NewStore) -> None:
     assert result.errors == {}
     assert store.pending().tolist() == []
     assert store.content_hash() == whole.content_hash()
+
+
+SIDE_BY_SIDE = """
+import sys
+from physgnn.dataset import Store, generate
+if __name__ == "__main__":
+    generate(Store.open(sys.argv[1]), workers=int(sys.argv[2]))
+"""
+
+
+@pytest.fixture(scope="module")
+def larger() -> TetMesh:
+    """Return a mesh whose paths are solved side by side."""
+    return block_mesh(15, jitter=0.2)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_side_by_side_killed_and_resumed(
+    new_store: NewStore, larger: TetMesh, workers: int
+) -> None:
+    """In whatever company a path is solved, its displacement has the same bits."""
+    killed, whole, one = (
+        new_store(name, 10, mesh=larger, force_n=1e-4)
+        for name in ("killed", "whole", "one")
+    )
+    assert paths_abreast(killed) > 1
+    command = [sys.executable, "-c", SIDE_BY_SIDE, str(killed.path), str(workers)]
+    run = subprocess.Popen(command)
+    while len(killed.pending()) == 10:
+        assert run.poll() is None
+        time.sleep(0.02)
+    os.kill(run.pid, signal.SIGKILL)
+    run.wait()
+    done = np.setdiff1d(np.arange(10), killed.pending())
+    kept = [killed.displacement(i) for i in done]
+    assert generate(killed).solved <= 10 - len(done)
+    for i, before in zip(done, kept, strict=True):
+        assert np.array_equal(killed.displacement(i), before)
+    assert generate(whole, workers=3 - workers).solved == 10
+    assert killed.content_hash() == whole.content_hash()
+    assert solve_and_write(one, SOLVE.prepare(one), 5) == ("converged", "")
+    assert np.array_equal(one.displacement(5), whole.displacement(5))
+
+
+def test_side_by_side_left_early(new_store: NewStore, larger: TetMesh) -> None:
+    """What stops a run stops the paths that are being solved, too."""
+    store = new_store(n_paths=10, mesh=larger, force_n=1e-4)
+
+    def refuse(*_: Any) -> None:
+        raise InputError("enough")
+
+    with pytest.raises(InputError, match="enough"):
+        generate(store, progress=refuse)
+    assert 0 < len(store.pending()) < 10
+    assert not any(NAME in thread.name for thread in threading.enumerate())
+    assert generate(store).solved > 0
+    assert (store.status == Status.CONVERGED).all()
 
 
 def test_refusals(new_store: NewStore) -> None:

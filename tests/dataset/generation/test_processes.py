@@ -57,6 +57,23 @@ def test_a_path_that_always_kills_is_given_up(tmp_path: Path) -> None:
     assert found == {0: "", 1: f"its process died {MOST_DEATHS} times", 2: ""}
 
 
+def test_paths_side_by_side() -> None:
+    found = sorted(spread(named, list(range(9)), 2, most=3))
+    assert found == [(i, f"path {i} by 1 thread", "") for i in range(9)]
+    assert new_children() == set()
+
+
+@pytest.mark.parametrize("worst", [1, 99])
+def test_others_that_die_with_a_path_are_done(worst: int, tmp_path: Path) -> None:
+    """The next time each of them is alone, so that only the deadly one is given up."""
+    do = partial(deadly, tmp_path, worst)
+    found = {i: error for i, _, error in spread(do, list(range(6)), 1, most=4)}
+    given_up = f"its process died {MOST_DEATHS} times" if worst > 1 else ""
+    assert found == {i: given_up if i == 1 else "" for i in range(6)}
+    deaths = min(worst, MOST_DEATHS)
+    assert len(list(tmp_path.glob("1-*"))) == deaths + (worst == 1)
+
+
 def test_errors_are_named() -> None:
     with pytest.raises(InputError, match="no solver here"):
         list(spread(refuses, [0, 1], 2))

@@ -1,5 +1,7 @@
 """Equilibrium along a path: mathematics, FEBio's answers, and honest failure."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import (
     LoadPath,
     NeoHookean,
+    PrescribedDisplacement,
     RestState,
     Solver,
     SolverOptions,
@@ -52,6 +55,40 @@ def test_every_level_is_in_equilibrium(block, pulled):
         load = path.case(level).on_points(block.n_points)
         reactions = (force - load)[fixed].sum(axis=0)
         np.testing.assert_allclose(reactions, -load.sum(axis=0), atol=1e-9)
+
+
+def test_paths_side_by_side(block, pulled):
+    """Each with the bits that it has alone, and as near to equilibrium as ever."""
+    body = Body(block, MATERIALS)
+    paths = [pull(block, total) for total in (0.2, 0.1, 0.15, 0.05, 0.12)]
+    together = Solver(body, options=TIGHT, side_by_side=True)
+    with ThreadPoolExecutor(len(paths)) as threads:
+        found = list(threads.map(together.solve, paths))
+    reference = np.abs(found[0].displacement - pulled[1].displacement).max()
+    assert reference < 1e-8
+    for path, solution in zip(paths, found, strict=True):
+        alone = Solver(body, options=TIGHT, side_by_side=True).solve(path)
+        assert solution.converged
+        assert np.array_equal(solution.displacement, alone.displacement)
+        assert solution.counts == alone.counts
+        assert solution.seconds > 0.0
+
+
+def test_paths_side_by_side_that_hold_other_points(block):
+    body = Body(block, MATERIALS)
+    top = block.point_set("loaded")
+    paths = [
+        LoadPath.of(FACTORS[:3] / 10, PrescribedDisplacement(top[:n], np.ones((n, 3))))
+        for n in (3, 5, 3, 4)
+    ]
+    together = Solver(body, side_by_side=True)
+    with ThreadPoolExecutor(len(paths)) as threads:
+        found = list(threads.map(together.solve, paths))
+    for path, solution in zip(paths, found, strict=True):
+        alone = Solver(body).solve(path)
+        assert solution.converged
+        gap = np.abs(solution.displacement - alone.displacement).max()
+        assert gap < 1e-4
 
 
 def test_stretch_is_large_enough_to_mean_something(pulled):

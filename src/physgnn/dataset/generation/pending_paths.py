@@ -15,14 +15,18 @@ from physgnn.errors import InputError
 from physgnn.io.febio.load_writer import check_writable
 from physgnn.io.febio.run import FebioSolver
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
+from physgnn.mechanics.equilibrium.partial_renewal import LEAST_UNKNOWNS
 from physgnn.mechanics.equilibrium.solution import Solution
 from physgnn.mechanics.equilibrium.solver import Solver
+from physgnn.mechanics.linear.right_sides import WIDTH
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.meshless.solver import MeshlessSolver
 from physgnn.progress import Progress
 
 ALREADY_THERE = "already there"
 DEFAULT_SOLVER = "physgnn"
+ABREAST = WIDTH
+MOST_UNKNOWNS = 100_000
 
 
 class CanSolve(Protocol):
@@ -85,7 +89,7 @@ def generate(
 
 
 def _own_solver(store: Store) -> CanSolve:
-    return Solver(store.body)
+    return Solver(store.body, side_by_side=paths_abreast(store) > 1)
 
 
 def _febio_solver(store: Store) -> CanSolve:
@@ -148,7 +152,22 @@ def solve_and_write(store: Store, solver: CanSolve, i: int) -> tuple[str, str]:
     return solution.message or "converged", ""
 
 
-SOLVE = Work(solver_of, solve_and_write)
+def paths_abreast(store: Store) -> int:
+    """Return how many paths a process solves side by side, sharing a factor.
+
+    Those of small bodies share it only at rest. Those of large ones would need much
+    memory, and a run that is killed loses what it was at.
+    """
+    own = store.provenance.get("solver", DEFAULT_SOLVER) == DEFAULT_SOLVER
+    fits = LEAST_UNKNOWNS <= 3 * store.mesh.n_points <= MOST_UNKNOWNS
+    return ABREAST if own and fits else 1
+
+
+def _stop(solver: Solver) -> None:
+    solver.stop()
+
+
+SOLVE = Work(solver_of, solve_and_write, paths_abreast, _stop)
 
 
 def _gather(

@@ -1,21 +1,23 @@
 """Work on load paths in processes of this machine, over pipes that only they hold.
 
-Every worker process does one path at a time and says when it is done. A path whose
-process died goes to another one. No port is opened, so nobody else can send work.
+Every worker process does one path at a time, or some side by side, and says when one is
+done. A path whose process died goes to another one. No port is opened, so nobody else
+can send work.
 """
 
 import os
 import signal
 import threading
 from collections import Counter, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import connection, get_context, parent_process, resource_tracker
 from typing import Any
 
+from physgnn.dataset.generation.abreast import Do
 from physgnn.errors import InputError
 
-Do = Callable[[int], tuple[str, str]]
 MOST_DEATHS = 3
 """A path whose process died so often is given up until the next run."""
 
@@ -31,10 +33,13 @@ ONE_THREAD = {
 KEEP_MEMORY = {
     "MALLOC_TRIM_THRESHOLD_": str(2**30),
     "MALLOC_MMAP_THRESHOLD_": str(2**25),
+    "MALLOC_ARENA_MAX": "1",  # for all threads: they take turns
 }
 
 
-def spread(do: Do, paths: list[int], workers: int) -> Iterator[tuple[int, str, str]]:
+def spread(
+    do: Do, paths: list[int], workers: int, *, most: int = 1
+) -> Iterator[tuple[int, str, str]]:
     """Do paths in worker processes and yield the results as they come.
 
     Parameters
@@ -44,6 +49,8 @@ def spread(do: Do, paths: list[int], workers: int) -> Iterator[tuple[int, str, s
     paths : list of int
     workers : int
         How many processes.
+    most : int
+        Paths that each of them does side by side, at most.
 
     Raises
     ------
@@ -51,62 +58,81 @@ def spread(do: Do, paths: list[int], workers: int) -> Iterator[tuple[int, str, s
         What `do` raises of this kind: it is true of every path.
     """
     waiting, died, busy = deque(paths), Counter[int](), dict[Any, _Worker]()
+    abreast = min(most, -(-len(paths) // workers))
     try:
         while waiting or busy:
             while waiting and len(busy) < workers:
-                worker = _Worker(do)
+                worker = _Worker(do, abreast)
                 busy[worker.pipe] = worker
-                worker.give(waiting.popleft())
+                _fill(worker, waiting, died)
             for pipe in connection.wait(list(busy)):
                 worker = busy[pipe]
-                i, result = worker.path, worker.take()
+                result = worker.take()
                 if result is None:
                     busy.pop(pipe).stop()
-                    died[i] += 1
-                    if died[i] < MOST_DEATHS:
-                        waiting.appendleft(i)
-                        continue
-                    result = "error", f"its process died {MOST_DEATHS} times"
-                elif waiting:
-                    worker.give(waiting.popleft())
-                else:
+                    yield from _lost(worker, waiting, died)
+                    continue
+                _fill(worker, waiting, died)
+                if not worker.paths:
                     busy.pop(pipe).stop()
-                yield i, *result
+                yield result
     finally:
         for worker in busy.values():
             worker.stop()
 
 
+def _fill(worker: "_Worker", waiting: deque[int], died: Counter[int]) -> None:
+    """Give a worker what it may do; a path that may kill it has no company."""
+    while waiting and len(worker.paths) < worker.abreast:
+        if worker.paths and any(died[i] for i in (*worker.paths, waiting[0])):
+            return
+        worker.give(waiting.popleft())
+
+
+def _lost(
+    worker: "_Worker", waiting: deque[int], died: Counter[int]
+) -> Iterator[tuple[int, str, str]]:
+    """Put back what a dead worker was at; yield what is given up."""
+    for i in worker.paths:
+        died[i] += 1
+        if died[i] < MOST_DEATHS:
+            waiting.appendleft(i)
+        else:
+            yield i, "error", f"its process died {MOST_DEATHS} times"
+
+
 class _Worker:
     """A process and the pipe to it."""
 
-    def __init__(self, do: Do) -> None:
-        self.path = -1
+    def __init__(self, do: Do, abreast: int) -> None:
+        self.paths, self.abreast = list[int](), abreast
         context = get_context("spawn")
         self.pipe, far_end = context.Pipe()
-        self._process = context.Process(target=_serve, args=(do, far_end), daemon=True)
+        self._process = context.Process(
+            target=_serve, args=(do, abreast, far_end), daemon=True
+        )
         with _environment(ONE_THREAD | KEEP_MEMORY), _undisturbed():
             self._process.start()
         far_end.close()
 
     def give(self, path: int) -> None:
         """Hand over a path; `take` notices if the process has died."""
-        self.path = path
+        self.paths.append(path)
         try:
             self.pipe.send(path)
         except OSError:
             return
 
-    def take(self) -> tuple[str, str] | None:
-        """Return what the process has to say of its path, None if it died."""
+    def take(self) -> tuple[int, str, str] | None:
+        """Return what the process has to say of a path, None if it died."""
         try:
-            result = self.pipe.recv()
+            path, result = self.pipe.recv()
         except (EOFError, OSError):
             return None
         if isinstance(result, InputError):
             raise result
-        ended, error = result
-        return ended, error
+        self.paths.remove(path)
+        return path, *result
 
     def stop(self) -> None:
         """End the process: what it has written is whole, see `dataset.storage`."""
@@ -115,21 +141,28 @@ class _Worker:
         self.pipe.close()
 
 
-def _serve(do: Do, pipe: Any) -> None:
+def _serve(do: Do, abreast: int, pipe: Any) -> None:
     """Do the paths that come through a pipe; end when the parent does."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    while True:
-        try:
-            path = pipe.recv()
-        except EOFError:
-            return
+    one_at_a_time = threading.Lock()
+
+    def answer(path: int) -> None:
         try:
             result: Any = do(path)
         except InputError as error:  # the tool's, and so every path's
             result = error
         except Exception as error:
             result = "error", f"{type(error).__name__}: {error}"
-        pipe.send(result)
+        with one_at_a_time:
+            pipe.send((path, result))
+
+    with ThreadPoolExecutor(abreast) as threads:
+        while True:
+            try:
+                path = pipe.recv()
+            except EOFError:
+                return
+            threads.submit(answer, path)
 
 
 def _end_with_parent() -> None:

@@ -65,7 +65,7 @@ class Solution:
         Why the path ended early, and where it snapped through to another equilibrium;
         empty if it did neither.
     seconds : float
-        Wall-clock time.
+        Wall-clock time, without that of others among which it was solved.
     counts : dict of str to int
         Factorisations, back-solves and residuals spent.
     """

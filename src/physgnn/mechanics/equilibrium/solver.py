@@ -1,7 +1,7 @@
 """Equilibrium along a load path: levels asked for, steps between them as needed."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from physgnn.mechanics.equilibrium.quasi_newton import QuasiNewton
 from physgnn.mechanics.equilibrium.solution import LevelRecord, Solution, Status
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
 from physgnn.mechanics.linear.protocols import LinearSolver
+from physgnn.mechanics.linear.side_by_side import Company, PathFactor, SharedFactor
 from physgnn.mechanics.loads.external_force import Loading
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.materials.table import Material
@@ -64,6 +65,7 @@ class _Unknowns:
     held: IntArray
     pattern: Pattern
     linear: LinearSolver
+    shared: SharedFactor | None
 
 
 class Solver:
@@ -75,11 +77,25 @@ class Solver:
         What is loaded.
     options : SolverOptions
         How tightly and how patiently to solve.
+    side_by_side : bool
+        Whether `solve` is called from several threads: paths then take turns, and
+        share the factor of the state at rest.
     """
 
-    def __init__(self, body: Body, *, options: SolverOptions = DEFAULT_OPTIONS) -> None:
+    def __init__(
+        self,
+        body: Body,
+        *,
+        options: SolverOptions = DEFAULT_OPTIONS,
+        side_by_side: bool = False,
+    ) -> None:
         self._body, self._options = body, options
+        self._side_by_side, self._company = side_by_side, Company()
         self._unknowns: _Unknowns | None = None
+
+    def stop(self) -> None:
+        """Let paths that other threads solve, side by side, end with `StoppedError`."""
+        self._company.stop()
 
     def solve(self, path: LoadPath) -> Solution:
         """Find equilibrium at every level of a path.
@@ -96,7 +112,12 @@ class Solver:
             prescribed displacements together leave a part of the body free to move.
         """
         loading = Loading(self._body.mesh, path, self._body.fixed)
-        return _follow(self._iteration(loading), path, self._options.min_step)
+        with self._company.walk():
+            iteration = self._iteration(loading)
+            solution = _follow(iteration, path, self._options.min_step)
+        if not isinstance(iteration.solver, PathFactor):
+            return solution
+        return replace(solution, seconds=solution.seconds - iteration.solver.waited)
 
     def _iteration(self, loading: Loading) -> QuasiNewton:
         unknowns = self._unknowns
@@ -105,19 +126,27 @@ class Solver:
         return QuasiNewton(
             self._body,
             unknowns.pattern,
-            unknowns.linear,
+            self._linear(unknowns),
             loading,
             self._options.tolerance_mm,
             self._options.max_iterations,
             threads=self._options.threads,
         )
 
+    def _linear(self, unknowns: _Unknowns) -> LinearSolver:
+        if unknowns.shared is None:
+            return unknowns.linear
+        return PathFactor(self._company, unknowns.shared, unknowns.linear)
+
     def _find_unknowns(self, held: IntArray) -> _Unknowns:
         pattern = self._body.pattern_under(held)
-        linear = make_linear_solver(
-            pattern, precision="single", threads=self._options.threads
-        )
-        return _Unknowns(held, pattern, linear)
+
+        def linear() -> LinearSolver:
+            threads = self._options.threads
+            return make_linear_solver(pattern, precision="single", threads=threads)
+
+        shared = SharedFactor(linear()) if self._side_by_side else None
+        return _Unknowns(held, pattern, linear(), shared)
 
 
 def _follow(iteration: QuasiNewton, path: LoadPath, min_step: float) -> Solution:
