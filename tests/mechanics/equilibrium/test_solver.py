@@ -20,7 +20,12 @@ from physgnn.mechanics import (
 )
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tangent import assemble_tangent, make_pattern
-from physgnn.mechanics.elements.tet4 import internal_force, make_elements, strain_energy
+from physgnn.mechanics.elements.tet4 import (
+    ELEMENTS,
+    internal_force,
+    make_elements,
+    strain_energy,
+)
 from physgnn.mechanics.equilibrium.full_newton import Newton
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
 
@@ -72,6 +77,22 @@ def test_paths_side_by_side(block, pulled):
         assert np.array_equal(solution.displacement, alone.displacement)
         assert solution.counts == alone.counts
         assert solution.seconds > 0.0
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_paths_of_every_element_side_by_side(block, element):
+    body = Body(block, MATERIALS, element=element)
+    paths = [pull(block, total) for total in (0.1, 0.15, 0.05)]
+    together = Solver(body, side_by_side=True)
+    with ThreadPoolExecutor(len(paths)) as threads:
+        found = list(threads.map(together.solve, paths))
+    for path, solution in zip(paths, found, strict=True):
+        alone = Solver(body, side_by_side=True).solve(path)
+        assert solution.converged
+        assert np.array_equal(solution.displacement, alone.displacement)
+        plain = Solver(body).solve(path)
+        gap = np.abs(solution.displacement - plain.displacement).max()
+        assert gap < 1e-4
 
 
 def test_paths_side_by_side_that_hold_other_points(block):
