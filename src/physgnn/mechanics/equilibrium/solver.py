@@ -94,7 +94,7 @@ class Solver:
         self._unknowns: _Unknowns | None = None
 
     def stop(self) -> None:
-        """Let paths that other threads solve, side by side, end with `StoppedError`."""
+        """Let paths that other threads solve, side by side, end with an exception."""
         self._company.stop()
 
     def solve(self, path: LoadPath) -> Solution:
