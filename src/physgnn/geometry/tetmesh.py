@@ -114,8 +114,9 @@ class TetMesh:
         if name not in self.point_sets:
             have = ", ".join(sorted(self.point_sets)) or "none"
             raise InputError(
-                f"the mesh has no point set '{name}' (it has: {have}): name it by "
-                "'physgnn mesh --sets'"
+                f"the mesh has no point set '{name}' (it has: {have}): 'physgnn init' "
+                "writes the sets of a craniotomy into a file, and 'physgnn mesh "
+                "MESH.vtu --sets FILE' adds what a file names"
             )
         return self.point_sets[name]
 

@@ -11,6 +11,7 @@ from physgnn.segmentation.orientation import mask_on, upright
 COLOURS = {1: "tab:orange", 2: "red", 3: "tab:cyan"}
 # Index axis normal to the plane; the others run right and up.
 PLANES = {"sagittal": 0, "coronal": 1, "axial": 2}
+SIDES = {"sagittal": "PA", "coronal": "LR", "axial": "LR"}  # left and right of a panel
 PANEL_INCHES, PER_CENT = 3.4, (1.0, 99.5)
 
 
@@ -58,6 +59,15 @@ def outlines(image: Image, labels: LabelVolume, title: str) -> Figure:
                     panel.contour(part, [0.5], colors=COLOURS[label], linewidths=1.2)
             panel.set_title(f"{name}, {cubes.affine[axis, 3] + at:.0f} mm", fontsize=9)
             panel.set_axis_off()
+            for at_x, side in zip((0.02, 0.94), SIDES[name], strict=True):
+                panel.text(
+                    at_x,
+                    0.5,
+                    side,
+                    color="white",
+                    fontsize=8,
+                    transform=panel.transAxes,
+                )
     handles = [
         Line2D([], [], color=COLOURS[label], label=REGIONS[label - 1])
         for label in sorted(masks)

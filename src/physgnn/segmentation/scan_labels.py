@@ -118,7 +118,9 @@ def segment(
     labels[mask_on(image.grid, fluid, cubes.affine) & inside] = VENTRICLE_LABEL
     drawn = mask_on(image.grid, grown, cubes.affine) if tumour is None else tumour
     labels[drawn & inside] = TUMOUR_LABEL
-    return LabelVolume(labels, image.affine)
+    there = set(np.unique(labels).tolist())
+    names = {n: name for name, (n,) in SEGMENTED.labels.items() if n in there}
+    return LabelVolume(labels, image.affine, names)
 
 
 def volumes_line(labels: LabelVolume) -> str:

@@ -51,6 +51,13 @@ def outcomes(results: tuple[PatientResult, ...]) -> list[tuple[str, str, str]]:
     return [(one.name, one.outcome, one.step) for one in results]
 
 
+def test_what_asks_for_a_step_is_an_argument_of_its_stage() -> None:
+    """`segment` waited for an argument that it had lost, and no scan could begin."""
+    for step in steps():
+        arguments = inspect.signature(getattr(stages, step.command)).parameters
+        assert {*step.starts, *step.takes, *step.writes, *step.defaults} <= {*arguments}
+
+
 def test_a_patient_goes_through_the_steps_its_cells_ask_for(cohort: Path) -> None:
     table = write_table(cohort, "Anna,block.vtu,moved.csv,0.5,t1.nii.gz,")
     (anna,) = batch(table, cohort / "out")

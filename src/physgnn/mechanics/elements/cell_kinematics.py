@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 
 from physgnn.arrays import FloatArray
+from physgnn.geometry.regions import VENTRICLE
 from physgnn.geometry.tetmesh import TetMesh, shape_gradients
 
 
@@ -27,8 +28,14 @@ def deformation_gradient(mesh: TetMesh, displacement: FloatArray) -> FloatArray:
 
 
 def volume_change_range(mesh: TetMesh, displacement: FloatArray) -> tuple[float, float]:
-    """Return the smallest and the largest J = det F over cells; u in mm."""
+    """Return the smallest and the largest J = det F over cells of tissue; u in mm.
+
+    Ventricles hold fluid that comes and goes: their cells count only where they are
+    turned inside out, or where there are no others.
+    """
     J = np.linalg.det(deformation_gradient(mesh, displacement))
+    counted = (mesh.region != VENTRICLE) | (J <= 0.0)
+    J = J[counted] if counted.any() else J
     return float(J.min()), float(J.max())
 
 

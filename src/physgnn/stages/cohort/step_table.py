@@ -91,7 +91,7 @@ def _of_registration(made: "Registration") -> Figures:
 
 
 ROWS = (
-    Step("segment", ("image", "t1"), "segmentation", "seg.nii.gz"),
+    Step("segment", ("scan",), "segmentation", "seg.nii.gz"),
     Step(
         "mesh",
         ("segmentation", "brain", "mni152"),

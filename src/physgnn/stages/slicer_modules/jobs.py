@@ -23,6 +23,7 @@ if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need
 STATUS: str = "status"
 REASON: str = "reason"
 OK = "ok"
+NOT_TOLD = "the displacement has none"
 SHIFT = "shift"
 FORMS = {"transform": "transform", "surfaces": "deformed"}
 """Parameter → the form of a displacement that goes there."""
@@ -125,12 +126,15 @@ def _write_load(
 
 
 def warp(job: Job) -> Mapping[str, Any]:
-    """Deform a volume."""
+    """Deform a volume; the status is that of the displacement."""
+    from physgnn.io.vtk.prediction_file import read_status
+
     values = dict(job.values)
     out = _named(values, "deformed")
     field = [values.pop("transform")] if "transform" in values else []
     _call("warp", {**values, "out": out, "field": field}, job)
-    return {STATUS: OK}
+    stored = read_status(values["prediction"])
+    return {STATUS: stored.status or NOT_TOLD, REASON: "; ".join(stored.reasons)}
 
 
 def _shift(job: Job, folder: Path) -> tuple[dict[str, Any], dict[str, str]]:

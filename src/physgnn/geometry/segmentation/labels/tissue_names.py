@@ -61,7 +61,7 @@ def tissues_by_name(
     if REGIONS[BRAIN] not in found:
         raise InputError(
             f"one must be called brain (it has {listed(present, names)}): say which is "
-            f"which, such as --labels brain={min(present)},tumour={max(present)}"
+            "which, such as --labels brain=N,tumour=M with the numbers of yours"
         )
     return found
 

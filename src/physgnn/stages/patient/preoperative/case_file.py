@@ -1,5 +1,6 @@
 """What to simulate on a patient's mesh, written as a TOML file to begin with."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -219,7 +220,10 @@ stiffness_pa_per_mm = {sheets.stiffness_pa_per_mm:g}  # of elastic ones
 
 
 def _described(region: str) -> str:
-    return str(TISSUES[region].source).split(":", maxsplit=1)[0].split(",")[0]
+    """Return the source of a tissue, as far as its first pause outside of brackets."""
+    source = str(TISSUES[region].source).split(":", maxsplit=1)[0]
+    whole = re.match(r"(?:\([^)]*\)|[^,(])*", source)
+    return source if whole is None else whole[0].strip()
 
 
 def _three(point: FloatArray) -> tuple[float, float, float]:
