@@ -21,6 +21,7 @@ from ctk_cli import CLIModule, listCLIExecutables
 
 from meshes import block_mesh
 from physgnn.errors import InputError
+from physgnn.geometry.boundary import boundary_surface
 from physgnn.geometry.image import Image, LabelVolume
 from physgnn.geometry.meshing import tetgen_process
 from physgnn.geometry.tetmesh import TetMesh
@@ -183,6 +184,37 @@ def test_the_form_of_register_has_its_options(
         "PhysGNNRegister", 2, mesh=case, shift=out, remove="nothing", **files
     )
     assert found["status"].startswith("failed") and "nothing" in said
+
+
+def test_landmarks_a_whole_surface_and_another_space_go_through_the_form(
+    launch: Launch, block: tuple[Path, TetMesh], tmp_path: Path
+) -> None:
+    case, mesh = block
+    inside = np.array([[x, y, z] for x in (25, 55) for y in (25, 55) for z in (45, 65)])
+    elsewhere = np.array([3.0, -7.0, 11.0])  # where the tracker's origin lies, RAS
+    sitk.WriteTransform(
+        sitk.TranslationTransform(3, (-elsewhere * [-1, -1, 1]).tolist()),
+        str(tmp_path / "space.h5"),
+    )
+    moved = inside - [0.0, 0.0, 1.0] * inside[:, 2:] * SINKS_MM / 80
+    whole = boundary_surface(mesh)
+    down = whole.points - [0.0, 0.0, 1.0] * whole.points[:, 2:] * SINKS_MM / 80
+    faces = np.column_stack([np.full(len(whole.faces), 3), whole.faces])
+    model = pv.PolyData(down - elsewhere, faces.ravel())
+    model.field_data["SPACE"] = ["RAS"]
+    model.save(tmp_path / "whole.vtp")
+    files = {
+        "landmarks": markups(tmp_path / "before.fcsv", inside - elsewhere),
+        "landmarks_target": markups(tmp_path / "after.fcsv", moved - elsewhere),
+        "whole_surface": tmp_path / "whole.vtp",
+        "initial_transform": tmp_path / "space.h5",
+    }
+    out = tmp_path / "shift.vtu"
+    found, _ = launch("PhysGNNRegister", mesh=case, shift=out, noise_mm=0.5, **files)
+    assert float(found["misfit_mm"]) < 1.0
+    rest, u = read_displacement(out)
+    expected = -rest.points[:, 2] * SINKS_MM / 80
+    assert np.abs(u[:, 2] - expected).mean() < 0.5
 
 
 def test_points_in_either_system_are_the_same_points(

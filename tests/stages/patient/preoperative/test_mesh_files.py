@@ -50,7 +50,7 @@ def test_groups_become_regions_by_their_names(tmp_path: Path) -> None:
 
 def test_groups_without_names_must_be_named(tmp_path: Path) -> None:
     path, out = written(tmp_path / "a.msh"), tmp_path / "case.vtu"
-    with pytest.raises(InputError, match=r"a\.msh: .*it has 3, 7.*--labels brain=3"):
+    with pytest.raises(InputError, match=r"a\.msh: .*it has 3, 7.*--labels brain=N"):
         mesh(out, segmentation=path)
     made, _ = taken(path, out, labels="brain=3,tumour=7")
     np.testing.assert_array_equal(made.region, INNER.astype(int))
