@@ -156,7 +156,10 @@ def record(mesher: str) -> str:
 
 def _expected_seconds(n_points: int) -> str:
     low, high = (n_points * ms / 1000.0 for ms in TETWILD_MS)
-    return f"fTetWild: {low:.0f} to {high:.0f} s of one core for {n_points} points"
+    return (
+        f"fTetWild: {low:.0f} to {high:.0f} s of one core a run for {n_points} points, "
+        f"and up to {TARGET_RUNS} runs to meet their number"
+    )
 
 
 def paper_max_volume(surface: Surface) -> float:
