@@ -62,6 +62,8 @@ RATES: Mapping[str, float] = {
 }  # fmt: skip
 """Learning rates as their authors have them, to within a factor of ten; others have
 the default of training, PhysGNN's published one."""
+MEMORY_MB: Mapping[str, int] = {"meshgraphnet": 4096}
+"""Memory of training, where the default does not hold one sample of 10,000 points."""
 TOLD_MORE: Mapping[str, str] = {
     "cnn": "is told how the surface within 30 mm of the load moved, which no other "
     "method is, and not the load",
@@ -107,6 +109,8 @@ class Method:
         training = dict(TRAINING)
         if model in RATES:
             training["learning_rate"] = RATES[model]
+        if model in MEMORY_MB:
+            training["memory_mb"] = MEMORY_MB[model]
         if (model, task) in BATCH_SIZES:
             training["batch_size"] = BATCH_SIZES[model, task]
         return cls(
