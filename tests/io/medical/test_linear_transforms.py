@@ -6,6 +6,7 @@ import SimpleITK as sitk
 from scipy.spatial.transform import Rotation
 
 from physgnn.errors import InputError
+from physgnn.io.medical import linear_transforms
 from physgnn.io.medical.linear_transforms import read_rigid_transform, transformed
 from physgnn.io.medical.transform_parts import LINEAR
 
@@ -100,12 +101,14 @@ def test_parts_of_a_composite_are_one_transform(tmp_path: Path) -> None:
     [
         (HEAD + AFFINE, "no line 'FixedParameters"),
         (HEAD + AFFINE[:-3] + "\n" + FIXED, "got 11"),
-        (HEAD + AFFINE[:40], "no line 'Parameters"),
+        (HEAD + AFFINE[:40] + "\n", "no line 'Parameters"),
         (HEAD + AFFINE.replace("7", "7 8") + FIXED, "got 13"),
         (HEAD + AFFINE + "FixedParameters: 0 0\n", "3 fixed parameters \\(got 2"),
         (HEAD + AFFINE.replace("5 6", "5,5 6") + FIXED, "5,5"),
         (HEAD + 2 * (AFFINE + FIXED), "one transform .got 2"),
         (HEAD, "no line 'Transform"),
+        (HEAD + AFFINE + FIXED[:-1], "ends inside a line"),
+        (HEAD + "Transform: CompositeTransform_double_3_3\n", "has no parts"),
         (
             HEAD + "Transform: VersorRigid3DTransform_double_3_3\n"
             "Parameters: 0 0 0.1 5 6\n" + FIXED,
@@ -134,3 +137,13 @@ def test_every_linear_transform_has_the_numbers_that_itk_gives_it() -> None:
         one = made(3) if has_dimension or name == "ScaleTransform" else made()
         assert len(one.GetParameters()) == sizes.parameters
         assert len(one.GetFixedParameters()) in sizes.fixed
+
+
+def test_the_first_of_several_is_not_taken_unsaid(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """HDF5 has no text to look at beforehand: SimpleITK's own warning tells."""
+    monkeypatch.setattr(linear_transforms, "check_transform_text", lambda _: None)
+    (tmp_path / "t.tfm").write_text(HEAD + 2 * (AFFINE + FIXED))
+    with pytest.raises(InputError, match="must hold one transform"):
+        read_rigid_transform(tmp_path / "t.tfm")

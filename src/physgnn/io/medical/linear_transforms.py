@@ -26,6 +26,7 @@ ITK_SUFFIXES = (TFM, ".h5")
 TEXT_SUFFIXES = (".txt", ".csv", ".mat")
 LARGEST_BYTES = 1 << 20  # a linear transform is small; a field is not
 TIMEOUT_S = 60.0
+SEVERAL = "more than one transform"  # SimpleITK's warning as it takes the first
 # Numbers are often rounded to four places; more than this is another unit, or shear.
 RIGID_WITHIN = 0.01
 
@@ -106,6 +107,8 @@ def _from_itk(path: Path) -> FloatArray:
         raise InputError(f"reading it took more than {TIMEOUT_S:g} s") from error
     if ended.returncode != 0:
         raise InputError("ITK crashed on it: export it again")
+    if SEVERAL in ended.stderr:
+        raise InputError("the file must hold one transform: save the one that is meant")
     said = json.loads(ended.stdout)
     if "error" in said:
         raise InputError(str(said["error"]))

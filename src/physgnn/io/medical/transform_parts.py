@@ -13,6 +13,8 @@ from physgnn.errors import InputError
 
 FIRST_LINE = "#Insight Transform File"
 COMPOSITE = "CompositeTransform"  # its parts follow it
+TRANSFORM, PARAMETERS, FIXED = "Transform", "Parameters", "FixedParameters"
+EMPTY = f"{COMPOSITE} has no parts: the file is cut, export it again"
 
 
 @dataclass(frozen=True)
@@ -82,11 +84,15 @@ def check_transform_text(text: str) -> None:
     """
     if not text.startswith(FIRST_LINE):
         raise InputError(f"the first line of a .tfm must be '{FIRST_LINE} V1.0'")
+    if not text.endswith("\n"):
+        raise InputError("it ends inside a line: the file is cut, export it again")
     found = list(_transforms(text))
     if not found:
         raise InputError("the file has no line 'Transform: …': export it again")
     composed = found[0].name == COMPOSITE
     parts = found[1:] if composed else found
+    if not parts:
+        raise InputError(EMPTY)
     if len(parts) != 1 and not composed:
         raise InputError(
             f"the file must hold one transform (got {len(parts)}): save the one that "
@@ -95,9 +101,6 @@ def check_transform_text(text: str) -> None:
     for part in parts:
         parameters, fixed = (part.numbers(key) for key in (PARAMETERS, FIXED))
         check_sizes(part.name, parameters, fixed)
-
-
-TRANSFORM, PARAMETERS, FIXED = "Transform", "Parameters", "FixedParameters"
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 import SimpleITK as sitk
 
 from physgnn.errors import InputError
-from physgnn.io.medical.transform_parts import COMPOSITE, check_sizes
+from physgnn.io.medical.transform_parts import COMPOSITE, EMPTY, check_sizes
 
 DAMAGED = "ITK finds no linear transform in it: export it again, as .tfm or .h5"
 
@@ -37,6 +37,8 @@ def _check(transform: sitk.Transform) -> None:
         raise InputError("it must be linear in three dimensions")
     if transform.GetName() == COMPOSITE:
         parts = sitk.CompositeTransform(transform)
+        if not parts.GetNumberOfTransforms():
+            raise InputError(EMPTY)
         for i in range(parts.GetNumberOfTransforms()):
             _check(parts.GetNthTransform(i))
         return
