@@ -9,8 +9,9 @@ away or in other units, a noise stated far too small. What a tracker may have mo
 measured once more with 6 points of the bone around the craniotomy, of 0.5 mm of noise.
 
 A registration is *wrong* if its largest error is above its bound. Counted are the
-registrations that are wrong and called usable, and those that are right and flagged;
-a refusal is neither. What the log has is not registered again. Prints Markdown.
+registrations that are wrong and called ok, those that are right and flagged, and how
+far a misplaced tracker may be off unseen (median of a standard deviation); a refusal is
+neither. What the log has is not registered again. Prints Markdown.
 """
 
 import argparse
@@ -28,11 +29,18 @@ from physgnn.errors import InputError
 from physgnn.evaluation.in_silico.cases import BONE_NOISE_MM, N_BONE, Case
 from physgnn.evaluation.in_silico.compared import TOLD_MM, Compared
 from physgnn.evaluation.in_silico.shifts import Truth
-from physgnn.geometry.measured import BonePoints, PointPairs, SurfacePoints
+from physgnn.geometry.measured import (
+    BonePoints,
+    PointPairs,
+    SurfacePoints,
+    WholeSurface,
+)
 from physgnn.prediction import PredictionStatus
 from tables import machine, table
 
-Measured = PointPairs | SurfacePoints
+KINDS = ("pairs", "surface", "whole surface")
+IF_RIGHT = PredictionStatus.OK_IF_NAVIGATION_IS_RIGHT
+Measured = PointPairs | SurfacePoints | WholeSurface
 Given = Measured | list[Measured | BonePoints]
 USUAL = 40  # pairs, of the 50 there are
 LINE_MM = 20.0  # of bone points in one
@@ -132,6 +140,7 @@ GOOD: Mapping[str, Callable[[Case], Measured]] = {
     "20 pairs": partial(first, 20),
     "10 pairs": partial(first, 10),
     "surface": lambda case: case.surface,
+    "whole surface": lambda case: case.whole,
 }
 BAD: Mapping[str, Callable[[Case], Measured]] = {
     "3 pairs": partial(first, 3),
@@ -167,11 +176,12 @@ BAD_BONE: Mapping[str, Callable[[Case], Given]] = {
 def measure(body: Compared, name: str, measured: Given, truth: FloatArray) -> dict:
     """Return what one registration says and how wrong it is."""
     told = NOISE_TOLD_MM.get(name, TOLD_MM)
-    noise = {"pairs": told, "surface": told, "bone": BONE_NOISE_MM}
+    noise = {**dict.fromkeys(KINDS, told), "bone": BONE_NOISE_MM}
     try:
-        found = body.registrar(measured, noise_mm=noise).prediction
+        registered = body.registrar(measured, noise_mm=noise)
     except InputError:
         return {"status": "refused"}
+    found = registered.prediction
     error = np.linalg.norm(body.at_truth(found.displacement) - truth, axis=1).max()
     assert found.error_estimate_mm is not None
     return {
@@ -180,21 +190,25 @@ def measure(body: Compared, name: str, measured: Given, truth: FloatArray) -> di
         "bound": found.error_estimate_mm.max_mm,
         "moved": float(np.linalg.norm(found.displacement, axis=1).max()),
         "reasons": list(found.reasons),
+        "unknown": registered.offset.unknown_mm,
     }
 
 
 def row(name: str, records: list[dict[str, Any]]) -> tuple[str, ...]:
     made = [r for r in records if r["status"] != "refused"]
-    usable = [PredictionStatus[r["status"]].usable for r in made]
+    ended = [PredictionStatus[r["status"]] for r in made]
     wrong = [r["error"] > r["bound"] for r in made]
-    pairs = list(zip(usable, wrong, strict=True))
+    pairs = list(zip(ended, wrong, strict=True))
+    unknown = [r["unknown"] for r in made]
     statuses = Counter(r["status"].lower().replace("_", " ") for r in records)
     return (
         name,
         str(len(records)),
         str(sum(wrong)),
-        str(sum(u and w for u, w in pairs)),
-        str(sum(not u and not w for u, w in pairs)),
+        str(sum(s is IF_RIGHT and w for s, w in pairs)),
+        str(sum(s.usable and s is not IF_RIGHT and w for s, w in pairs)),
+        str(sum(not s.usable and not w for s, w in pairs)),
+        f"{np.median(unknown):.1f}" if unknown else "",
         ", ".join(f"{n} {status}" for status, n in statuses.most_common()),
     )
 
@@ -235,7 +249,8 @@ def main() -> None:
             u = np.zeros_like(case.displacement) if still else case.displacement
             said = measure(body, name, ways[name](case), u)
             log.add(path=seed, level=1, what=name, **said)
-    head = ("measured", "cases", "wrong", "wrong and usable", "right and flagged")
+    wrong = ("wrong", "wrong, ok if navigation is right", "wrong and ok")
+    head = ("measured", "cases", *wrong, "right and flagged", "tracker unknown, mm")
     table((*head, "ended"), rows(log))
 
 

@@ -25,7 +25,9 @@ MET = MeasurementFit(
 REGISTERED = Evidence(largest_mm=9.0, bound_mm=5.0, jacobian=(0.9, 1.1), fit=MET)
 
 
-def offset(probability: float, *, corrected: bool = False) -> RigidOffset:
+def offset(
+    probability: float, *, corrected: bool = False, unknown_mm: float = 0.0
+) -> RigidOffset:
     return RigidOffset(
         translation_mm=np.array([4.0, 0.0, 0.0]),
         rotation_deg=np.array([1.0, 0.0, 0.0]),
@@ -35,6 +37,7 @@ def offset(probability: float, *, corrected: bool = False) -> RigidOffset:
         log_ratio=3.0,
         probability=probability,
         change_mm=3.0,
+        unknown_mm=unknown_mm,
         corrected=corrected,
     )
 
@@ -103,6 +106,10 @@ def test_what_speaks_for_a_displacement_decides(evidence: Evidence, status: S) -
         ({"offset": offset(0.96)}, S.NAVIGATION_OFFSET),
         ({"offset": offset(0.94)}, S.OK),
         ({"offset": offset(0.96, corrected=True)}, S.OK),
+        # ok rests on the navigation where nothing measured would show that it is off
+        ({"offset": offset(0.03, unknown_mm=2.4)}, S.OK_IF_NAVIGATION_IS_RIGHT),
+        ({"offset": offset(0.03, unknown_mm=0.9)}, S.OK),
+        ({"offset": offset(0.96, unknown_mm=2.4)}, S.NAVIGATION_OFFSET),
         # 9 mm of displacement, of which the brain sank by less than a quarter
         ({"sunk_mm": 2.2}, S.OFFSET_NOT_TOLD),
         ({"sunk_mm": -1.0}, S.OFFSET_NOT_TOLD),
@@ -126,4 +133,9 @@ def test_all_reasons_are_listed_those_of_the_status_first() -> None:
 
 def test_a_row_for_every_status_that_is_not_usable() -> None:
     assert {status for status, _ in RULES} == {s for s in S if not s.usable}
-    assert [s for s in S if s.usable] == [S.OK, S.SOLVED, S.REPAIRED]
+    assert [s for s in S if s.usable] == [
+        S.OK,
+        S.SOLVED,
+        S.REPAIRED,
+        S.OK_IF_NAVIGATION_IS_RIGHT,
+    ]

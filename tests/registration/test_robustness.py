@@ -14,7 +14,7 @@ from block_shifts import (
 )
 
 from physgnn.geometry import boundary_surface
-from physgnn.geometry.measured import PointPairs, WholeSurface
+from physgnn.geometry.measured import PointPairs, SurfacePoints, WholeSurface
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.prediction import PredictionStatus
 from physgnn.registration.misfits import write_misfits
@@ -109,6 +109,8 @@ def test_a_whole_surface_tells_where_the_top_went(
     seen = WholeSurface((body.points + u)[used], faces.reshape(-1, 3).astype(np.int64))
     found = registrar(seen, noise_mm=NOISE)
     top = body.point_set("loaded")
+    assert found.offset.unknown_mm < 0.5
+    assert found.prediction.status is PredictionStatus.OK
     lag = (found.prediction.displacement - u)[top, 2]
     assert np.abs(lag).mean() < 0.15 * np.abs(u[top, 2]).mean()
 
@@ -182,6 +184,25 @@ def test_a_tracker_that_hides_a_shift_is_never_silently_ok(
     assert bound is not None
     wrong = errors(found, u).max() > bound.max_mm
     assert not (wrong and found.prediction.status.usable)
+
+
+@pytest.mark.parametrize("mm", [4.0, 8.0])
+@pytest.mark.parametrize("see", [measured, seen_inside, seen_surface])
+def test_a_tracker_that_adds_to_a_shift_is_never_just_ok(
+    see: Callable[..., PointPairs | SurfacePoints],
+    mm: float,
+    body: TetMesh,
+    registrar: Registrar,
+) -> None:
+    """Further in while the brain sank: it seems to have sunk more."""
+    seen, away = see(body, true_shift(body, 1, 8.0), 1), np.array([0.0, 0.0, -mm])
+    if isinstance(seen, SurfacePoints):
+        found = registrar(SurfacePoints(seen.points + away), noise_mm=NOISE)
+    else:
+        given = type(seen)(seen.source, seen.target + away)
+        found = registrar(given, noise_mm=NOISE)
+    assert found.prediction.status is not PredictionStatus.OK
+    assert found.offset.unknown_mm > 1.0
 
 
 def test_a_surface_that_bulges_is_told_from_nothing(

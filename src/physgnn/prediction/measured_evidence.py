@@ -37,6 +37,10 @@ class RigidOffset:
         Of an offset, given the data.
     change_mm : float
         How far, at most, the displacement of a point is another with an offset.
+    unknown_mm : float
+        How far a misplaced tracker may be off without the data telling it from a shift:
+        a standard deviation, in the direction that they tell least about. 0 where bone
+        told the offset.
     corrected : bool
         Whether the displacement is the one with an offset.
     """
@@ -49,6 +53,7 @@ class RigidOffset:
     log_ratio: float
     probability: float
     change_mm: float
+    unknown_mm: float
     corrected: bool
 
     @property

@@ -28,6 +28,7 @@ class PredictionStatus(IntEnum):
     OFFSET_NOT_TOLD = 13
     TOO_FEW_BONE_POINTS = 14
     BONE_MISFIT = 15
+    OK_IF_NAVIGATION_IS_RIGHT = 16
 
     @property
     def remedy(self) -> str:
@@ -52,6 +53,7 @@ class PredictionStatus(IntEnum):
         """Whether the displacement may be used with its error estimate as it is."""
         return self in (
             PredictionStatus.OK,
+            PredictionStatus.OK_IF_NAVIGATION_IS_RIGHT,
             PredictionStatus.REPAIRED,
             PredictionStatus.SOLVED,
         )
@@ -62,6 +64,11 @@ class PredictionStatus(IntEnum):
 
 _REMEDY = {
     PredictionStatus.OK: "the prediction can be used with its error estimate",
+    PredictionStatus.OK_IF_NAVIGATION_IS_RIGHT: (
+        "it can be used with its error estimate once you have checked the navigation: "
+        "one that is off into the brain looks like a brain that sank; give points of "
+        "the bone (--bone) to have it checked"
+    ),
     PredictionStatus.REPAIRED: (
         "the estimate was above the tolerance, so the prediction was taken to "
         "equilibrium: raise tolerance_mm to save its time"

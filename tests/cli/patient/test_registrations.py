@@ -184,7 +184,6 @@ def test_bone_points_take_out_what_the_navigation_is_off(
     run("register", "case.vtu", *given, "-o", "alone.vtu")
     said = capsys.readouterr()
     assert "not checked against bone" in said.out
-    assert "the navigation was not checked against bone" in said.err
     assert "not checked" in str(pv.read("alone.vtu").field_data["navigation"])
     bone = ("--bone", "bone.csv", *OF_BONE, "--misfits", "misfits.csv")
     run("register", "case.vtu", *given, *bone, "-o", "out.vtu")

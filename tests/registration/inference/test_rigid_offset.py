@@ -7,7 +7,12 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import multivariate_normal
 
 from physgnn.registration.inference.gaussian import log_evidence
-from physgnn.registration.inference.rigid_offset import HYPOTHESES, compared
+from physgnn.registration.inference.rigid_offset import (
+    HYPOTHESES,
+    MISPLACED,
+    compared,
+    unknown_of,
+)
 from physgnn.registration.inference.rows import MeasuredRows, Modes, rigid_columns
 from physgnn.registration.measurements.observation import Observation
 
@@ -77,3 +82,23 @@ def test_an_offset_is_found_only_where_there_is_one(size: float) -> None:
     assert (comparison.probabilities[0] < 0.05) == (size > 0)
     deviation = np.sqrt(with_offset.posterior.covariance.diagonal()[-6:-3])
     assert (deviation < 0.3).all()
+
+
+def test_what_a_load_can_imitate_of_an_offset_stays_unknown() -> None:
+    """A load that moves every place along z as a tracker would, of 3 mm beforehand."""
+    rng = np.random.default_rng(4)
+    points = 30 * rng.normal(size=(500, 3))
+    columns, _ = rigid_columns(
+        [seen_along(np.tile(np.eye(3), (500, 1, 1)))],
+        [Places(points)],  # type: ignore[list-item]
+    )
+    alike, held = columns[:, 2:3], np.zeros((1500, 1))
+    noise = np.full(1500, 0.5)
+    offset = MISPLACED.translation_mm
+    for load, wanted in (
+        (alike, offset * 3 / np.hypot(offset, 3)),
+        (held, 0.5 / 500**0.5),
+    ):
+        rows = MeasuredRows(load / 0.5, np.zeros(1500), noise, ((500, 3),))
+        told = unknown_of(rows.with_columns(columns), np.array([9.0]), np.ones(500))
+        assert told == pytest.approx(wanted, rel=0.01)

@@ -32,7 +32,7 @@ STATE, DEFORMED = "state", "deformed"
 STATUS, REASONS = "status", "reasons"  # field data: what a displacement is called, why
 NAVIGATION = "navigation"  # field data: how far it is off, and what points of bone say
 MOST_SIZES = 3.0  # of a body that a point of it moves by: more is another unit
-USABLE = ("ok", "repaired", "solved")
+USABLE = ("ok", "ok if navigation is right", "repaired", "solved")
 """Statuses that do not speak against a displacement: see
 `physgnn.prediction.PredictionStatus.usable`."""
 

@@ -185,6 +185,7 @@ class BoneOffset:
             log_ratio=log_ratio_of(evidence),
             probability=float(probabilities_of(evidence)[1:].sum()),
             change_mm=float("nan"),
+            unknown_mm=0.0,
             corrected=True,
         )
 

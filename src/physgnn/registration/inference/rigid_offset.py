@@ -21,7 +21,11 @@ from scipy.special import logsumexp
 
 from physgnn.arrays import FloatArray
 from physgnn.prediction.measured_evidence import RigidOffset
-from physgnn.registration.inference.gaussian import Posterior, log_evidence
+from physgnn.registration.inference.gaussian import (
+    Posterior,
+    condition_blocks,
+    log_evidence,
+)
 from physgnn.registration.inference.heavy_tails import (
     RobustFit,
     chosen_prior,
@@ -156,12 +160,36 @@ def _fitted(
     return evidence, reweighted(rows, prior, weights, 1)
 
 
+def unknown_of(rows: MeasuredRows, prior: FloatArray, weights: FloatArray) -> float:
+    """Return how far a misplaced tracker may be off, unseen by the data, mm.
+
+    Beforehand it is off by `MISPLACED`; with the data, the standard deviation of its
+    translation is this in the direction that they tell least about.
+
+    Parameters
+    ----------
+    rows : MeasuredRows
+        With the columns of the offset at the end.
+    prior : (n,) array
+        Variance of each load's coefficient.
+    weights : (n,) array
+        Of each place.
+    """
+    root = np.sqrt(rows.spread(weights))
+    variances = np.concatenate([prior, MISPLACED.variances])
+    weighted = rows.A * root[:, None], rows.d * root
+    found = condition_blocks(*weighted, variances, 1.0, rows.blocks)
+    translation = found.covariance[-6:-3, -6:-3]
+    return float(np.sqrt(max(np.linalg.eigvalsh(translation)[-1], 0.0)))
+
+
 def offset_of(
     posterior: Posterior,
     centre: FloatArray,
     comparison: OffsetEvidence,
     *,
     change_mm: float,
+    unknown_mm: float,
     corrected: bool,
 ) -> RigidOffset:
     """Return the offset that the last six coefficients are."""
@@ -176,5 +204,6 @@ def offset_of(
         log_ratio=comparison.log_ratio,
         probability=float(comparison.probabilities[1:].sum()),
         change_mm=change_mm,
+        unknown_mm=unknown_mm,
         corrected=corrected,
     )

@@ -25,6 +25,7 @@ from physgnn.registration.inference.rigid_offset import (
     OffsetPrior,
     compared,
     offset_of,
+    unknown_of,
 )
 from physgnn.registration.inference.rows import (
     MeasuredRows,
@@ -182,6 +183,7 @@ class Search:
             centre,
             found,
             change_mm=float(np.linalg.norm(change, axis=1).max()),
+            unknown_mm=unknown_of(rows, self._prior[:n], self.fit.weights),
             corrected=self._offset is not None,
         )
         alone = self.alone()

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from physgnn.arrays import FloatArray
 from physgnn.geometry.image import ImageGrid
-from physgnn.geometry.measured import WholeSurface
 from physgnn.io.displacement_files import DisplacementFields
 from physgnn.io.vtk.error_fields import COVARIANCE, DEVIATION, packed
 from physgnn.progress import Log, no_log
@@ -28,10 +27,6 @@ if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need
     from physgnn.registration.registrar import Registrar
 from physgnn.registration.result import Registration
 
-UNCHECKED = (
-    "the navigation was not checked against bone: one that is off into the brain looks "
-    "like a brain that sank; give points of the bone (--bone)"
-)
 OUTLIER = "outlier"  # begins what is said of one
 SEGMENTED_MM = 2.0  # noise of a segmented brain's surface: two voxels of a usual scan
 Write = Callable[[Path, DisplacementFields], None]
@@ -117,8 +112,7 @@ def register_state(
     picture : Path, optional
         Where the outline of an intraoperative brain goes, PNG.
     log : callable
-        Called with what was left out, the outliers, and that nothing checked the
-        navigation where that is so.
+        Called with what was left out, and the outliers.
 
     Raises
     ------
@@ -141,8 +135,6 @@ def register_state(
     )
     for one in found.outliers:
         log(f"{OUTLIER}, {one}, weight {one.weight:.2f}")
-    if found.bone is None and not any(isinstance(m, WholeSurface) for m in measured):
-        log(UNCHECKED)
     return RegisteredState(found, measured)
 
 
