@@ -74,6 +74,35 @@ def test_a_patient_goes_through_the_steps_its_cells_ask_for(cohort: Path) -> Non
     assert alone.read_bytes() == (cohort / "out" / "Anna" / "shift.vtu").read_bytes()
 
 
+def test_a_series_is_a_column_and_its_last_state_is_warped(cohort: Path) -> None:
+    rows = np.loadtxt(cohort / "moved.csv", delimiter=",")
+    np.savetxt(cohort / "half.csv", rows - [0, 0, 0, 0, 0, -2.0], delimiter=",")
+    states = cohort / "states.csv"
+    states.write_text("time,name,points\n0,opened,half.csv\n9,removed,moved.csv\n")
+    table = cohort / "patients.csv"
+    table.write_text(
+        "name,case,register.series,noise_mm,image\nAnna,block.vtu,states.csv,0.5,t1.nii.gz\n"
+        "Bo,block.vtu,lost.csv,0.5,t1.nii.gz\n"
+    )
+    anna, bo = batch(table, cohort / "out")
+    assert (bo.outcome, bo.step) == ("failed", "register") and "lost.csv" in bo.reason
+    assert anna.outcome in ("ok", "not ok") and anna.figures["states"] == 2
+    assert anna.figures["largest_mm"] == pytest.approx(4.0, abs=1.5)
+    made = cohort / "out" / "Anna"
+    alone = stages.register(
+        cohort / "block.vtu", cohort / "alone", series=states, noise_mm=0.5
+    )
+    assert anna.figures["status"] == alone[-1].figures["status"]
+    last = (cohort / "alone" / "removed.vtu").read_bytes()
+    assert (made / "states" / "removed.vtu").read_bytes() == last
+    assert (made / "deformed.nii.gz").is_file()
+    first = (made / "states" / "opened.vtu").stat().st_mtime_ns
+    np.savetxt(cohort / "moved.csv", rows - [0, 0, 0, 0, 0, -1.0], delimiter=",")
+    anna, _ = batch(table, cohort / "out")
+    assert anna.figures["largest_mm"] < alone[-1].figures["largest_mm"]
+    assert (made / "states" / "opened.vtu").stat().st_mtime_ns == first
+
+
 def test_a_failure_is_named_and_the_others_go_on(cohort: Path) -> None:
     (cohort / "bad.csv").write_text("1,2,3\n")
     table = write_table(

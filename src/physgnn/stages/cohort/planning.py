@@ -27,12 +27,18 @@ class Call:
         The arguments that name what it writes, ``out`` among them.
     inputs : tuple of Path
         Files and folders that the result depends on.
+    made : Path
+        What later steps take.
+    resumes : bool
+        Whether the function itself knows what of it is done.
     """
 
     step: Step
     arguments: Mapping[str, Any]
     written: Mapping[str, Any]
     inputs: tuple[Path, ...]
+    made: Path
+    resumes: bool = False
 
     @property
     def out(self) -> Path:
@@ -89,7 +95,7 @@ def plan(patient: Patient, tables: Path, folder: Path) -> list[Call]:
             raise StepError(step.command, str(error)) from error
         if call is not None:
             calls.append(call)
-            there[step.makes] = call.out
+            there[step.makes] = call.made
     if not calls:
         asked = ", ".join(f"{s.command}.{s.starts[0]}" for s in steps())
         has = ", ".join(patient.cells) or "no cell"
@@ -145,8 +151,18 @@ def _call(
     for name in _required(step):
         if name not in given:
             raise InputError(f"nothing gives its {name}: {_who_makes(step, name)}")
-    written = {"out": folder / step.file, **_beside(step, folder)}
-    return Call(step, given, written, (*paths, *made.values()))
+    several = step.several
+    if several is not None and several.argument not in given:
+        several = None
+    out = folder / (step.file if several is None else several.folder)
+    return Call(
+        step,
+        given,
+        {"out": out, **_beside(step, folder)},
+        (*paths, *made.values()),
+        made=out if several is None else out / several.last(given),
+        resumes=several is not None,
+    )
 
 
 def _beside(step: Step, folder: Path) -> dict[str, Any]:

@@ -48,7 +48,12 @@ class PatientRecord:
         return cls(folder, steps)
 
     def figures_of(self, call: Call) -> Figures | None:
-        """Return what a call made, if it is done, and made from the same."""
+        """Return what a call made, if it is done, and made from the same.
+
+        A stage that resumes is called again: it knows what has changed.
+        """
+        if call.resumes:
+            return None
         done = self.steps.get(call.step.command, {})
         if not all(file.exists() for file in call.files):
             return None

@@ -110,7 +110,7 @@ def _done(call: Call, record: PatientRecord, lines: list[str]) -> Figures:
     if known is not None:
         return known
     record.begin(call)
-    if call.out.is_dir():
+    if call.out.is_dir() and not call.resumes:
         shutil.rmtree(call.out)  # what a step before left or did not finish
     lines.append(f"{call.step.command} -> {call.out.name}")
     function = getattr(stages, call.step.command)

@@ -13,16 +13,38 @@ if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need
     from physgnn.geometry import TetMesh
     from physgnn.prediction.prediction import Prediction
     from physgnn.registration.result import Registration
+    from physgnn.stages.patient.intraoperative.state_series import StateResult
     from physgnn.stages.patient.preoperative.adaptation import Adapted
 
 Figures = dict[str, Any]
 """What the table of results says of a step: column → what JSON can hold."""
 STATUS, REASONS = "status", "reasons"
+OF_STATE = (
+    STATUS, "largest_mm", "bound_mean_mm", "bound_max_mm", "misfit_mm", "held_out_mm",
+)  # fmt: skip
 NOT_OK = "not ok"  # a figure: True if a displacement must not be relied on
 
 
 def _no_figures(_: Any) -> Figures:
     return {}
+
+
+@dataclass(frozen=True)
+class Several:
+    """An argument with which a stage makes a folder of results, and resumes it.
+
+    Attributes
+    ----------
+    argument : str
+    folder : str
+        Its name.
+    last : callable
+        From the arguments to the name of the file in it that later steps take.
+    """
+
+    argument: str
+    folder: str
+    last: Callable[[Mapping[str, Any]], str]
 
 
 @dataclass(frozen=True)
@@ -47,6 +69,8 @@ class Step:
         Argument → what else it writes, in the patient's folder; no columns.
     figures : callable
         From what the function returns to what the results say.
+    several : Several, optional
+        What makes it a folder of several, if there is such a thing.
     """
 
     command: str
@@ -58,6 +82,7 @@ class Step:
     of_mesh: str = ""
     writes: Mapping[str, Any] = field(default_factory=dict)
     figures: Callable[[Any], Figures] = _no_figures
+    several: Several | None = None
 
 
 def _of_mesh(made: "TetMesh") -> Figures:
@@ -82,12 +107,40 @@ def _of_prediction(made: "Prediction") -> Figures:
     }
 
 
-def _of_registration(made: "Registration") -> Figures:
+def _of_registration(
+    made: "Registration | tuple[StateResult, ...]",
+) -> Figures:
+    if isinstance(made, tuple):
+        return _of_states(made)
     return {
         **_of_prediction(made.prediction),
         "misfit_mm": round(float(made.misfit_mm), 4),
         "held_out_mm": round(float(made.held_out_mm), 4),
     }
+
+
+def _of_states(made: "tuple[StateResult, ...]") -> Figures:
+    """Say of a series what is to be said of its last state, and which are not ok."""
+    bad = [one for one in made if one.outcome != "ok"]
+    lines = (f"{one.name} {one.outcome}: {one.reason}" for one in bad)
+    told = {name: made[-1].figures.get(name) for name in OF_STATE}
+    return {
+        **told,
+        STATUS: told[STATUS] or made[-1].outcome,
+        REASONS: "; ".join(lines),
+        NOT_OK: bool(bad),
+        "states": len(made),
+    }
+
+
+def _last_state(arguments: Mapping[str, Any]) -> str:
+    """Return the file of a series's last state."""
+    from physgnn.stages.patient.intraoperative.measured_files import MeasuredFiles
+    from physgnn.stages.patient.intraoperative.state_table import FILES, read_states
+
+    common = {name: arguments[name] for name in FILES if name in arguments}
+    states = read_states(arguments["series"], MeasuredFiles(**common))
+    return f"{states[-1].name}.vtu"
 
 
 ROWS = (
@@ -122,12 +175,13 @@ ROWS = (
     ),
     Step(
         "register",
-        ("points", "surface", "landmarks", "whole_surface", "intraoperative"),
+        ("points", "surface", "landmarks", "whole_surface", "intraoperative", "series"),
         "shift",
         "shift.vtu",
         takes={"mesh": "case"},
-        writes={"form": None, "image": None, "series": None, "picture": None},
+        writes={"form": None, "image": None, "picture": None},
         figures=_of_registration,
+        several=Several("series", "states", _last_state),
     ),
     Step(
         "warp",
