@@ -7,7 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from physgnn.prediction import PredictionStatus
+
 Sample = tuple[int, int]
+USABLE = {status.name for status in PredictionStatus if status.usable}
 
 
 def spread(samples: np.ndarray, per_level: int, seed: int = 0) -> list[Sample]:

@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-from held_out import Log
+from held_out import USABLE, Log
 from physgnn.evaluation.in_silico.cases import BONE_NOISE_MM, Case
 from physgnn.evaluation.in_silico.compared import TOLD_MM, Compared
 from physgnn.evaluation.in_silico.measurement_errors import (
@@ -103,7 +103,7 @@ def held(records: Sequence[Mapping[str, Any]], which: str) -> str:
 
 def mistakes(records: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
     """Return how many are wrong and called ok, and how many right and flagged."""
-    ok = [r["status"] == "OK" for r in records]
+    ok = [r["status"] in USABLE for r in records]
     right = [r["max"] <= max(r["bound_max"], HARMLESS_MM) for r in records]
     both = list(zip(ok, right, strict=True))
     return str(both.count((True, False))), str(both.count((False, True)))

@@ -39,7 +39,7 @@ from typing import Any
 
 import numpy as np
 
-from held_out import Log
+from held_out import USABLE, Log
 from physgnn.arrays import FloatArray
 from physgnn.evaluation.in_silico.cases import BONE_NOISE_MM, Case
 from physgnn.evaluation.in_silico.compared import SHIFT_METHODS, TOLD_MM
@@ -238,7 +238,7 @@ def trust_rows(groups: Groups) -> Iterator[list[str]]:
         for kind in KINDS:
             of = groups.get((condition, kind, "register"), ())
             if of:
-                ok = sum(record["status"] == "OK" for record in of)
+                ok = sum(record["status"] in USABLE for record in of)
                 kept = [
                     sum(r[which] <= r[f"bound_{of_which}"] for r in of)
                     for which, of_which in (("brain", "mean"), ("max", "max"))
