@@ -33,7 +33,8 @@ def _err() -> "Console":
 def progress(title: str, *, transient: bool = False) -> Iterator[Callback]:
     """Show a bar with the remaining time, and yield the callback that moves it.
 
-    A transient bar is wiped away at the end. Where no terminal shows it, as in the log
+    Where fewer steps are done than before, a further part of the work has begun: it is
+    named, and has a bar of its own. A transient bar is wiped away at the end. Where no terminal shows it, as in the log
     of a run left alone, a line a minute takes its place.
     """
     from rich.progress import (
@@ -63,11 +64,15 @@ def progress(title: str, *, transient: bool = False) -> Iterator[Callback]:
     )
     with bar:
         task = bar.add_task(title, total=None, doing="")
-        said = time.monotonic()
+        said, part = time.monotonic(), ""
 
         def move(done: int, total: int, text: str) -> None:
-            nonlocal said
-            bar.update(task, completed=done, total=total, doing=text)
+            nonlocal said, part
+            if done * (bar.tasks[0].total or total) < bar.tasks[0].completed * total:
+                part = text
+                bar.reset(task, total=total, description=f"{title}, {part}")
+            doing = "" if text == part else text
+            bar.update(task, completed=done, total=total, doing=doing)
             if not err.is_terminal and time.monotonic() - said >= SECONDS_A_LINE:
                 said = time.monotonic()
                 say(_line(bar.tasks[0]))
