@@ -34,8 +34,9 @@ def progress(title: str, *, transient: bool = False) -> Iterator[Callback]:
     """Show a bar with the remaining time, and yield the callback that moves it.
 
     Where fewer steps are done than before, a further part of the work has begun: it is
-    named, and has a bar of its own. A transient bar is wiped away at the end. Where no terminal shows it, as in the log
-    of a run left alone, a line a minute takes its place.
+    named, and has a bar of its own. A transient bar is wiped away at the end. Where no
+    terminal shows it, as in the log of a run left alone, a line a minute takes its
+    place.
     """
     from rich.progress import (
         BarColumn,

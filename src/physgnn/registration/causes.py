@@ -20,7 +20,7 @@ from physgnn.arrays import BoolArray, FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
 from physgnn.geometry.normals import area_vectors
-from physgnn.geometry.regions import BRAIN, TUMOUR
+from physgnn.geometry.regions import BRAIN, TUMOUR, VENTRICLE
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.loads.gravity import submerged_volumes
 from physgnn.mechanics.loads.growth_rules import cells_near
@@ -84,7 +84,7 @@ def near_swelling(mesh: TetMesh, free: IntArray) -> CauseModes | None:
         middle = mesh.point_set(CAVITY)
     else:
         return None
-    near = cells_near(mesh, middle, NEAR_MM) & (mesh.region != TUMOUR)
+    near = cells_near(mesh, middle, NEAR_MM) & (mesh.region == BRAIN)
     return _growing(mesh, near)
 
 
@@ -193,6 +193,7 @@ def _weight_above(mesh: TetMesh, down: FloatArray, level: float) -> FloatArray:
     height = -mesh.points @ down
     at = height.min() + level * (height.max() - height.min())
     dry = mesh.cell_volumes - submerged_volumes(mesh.points, mesh.cells, at - height)
+    dry[mesh.region == VENTRICLE] = 0.0  # its fluid drains, too
     on_points = np.bincount(
         mesh.cells.ravel(), weights=np.repeat(dry / 4, 4), minlength=mesh.n_points
     )

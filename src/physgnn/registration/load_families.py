@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.measured import farthest_points
+from physgnn.geometry.regions import VENTRICLE
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.elements.growth import growth_force
 from physgnn.mechanics.elements.tet4 import Elements
@@ -149,8 +150,10 @@ def _patches(mesh: TetMesh, free: IntArray) -> FloatArray:
 
 
 def _point_volumes(mesh: TetMesh) -> FloatArray:
+    """Return every point's share of the tissue: fluid in ventricles bears itself."""
     share = np.zeros(mesh.n_points)
-    np.add.at(share, mesh.cells, mesh.cell_volumes[:, None] / 4)
+    tissue = mesh.region != VENTRICLE
+    np.add.at(share, mesh.cells[tissue], mesh.cell_volumes[tissue, None] / 4)
     return share
 
 

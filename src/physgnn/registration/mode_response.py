@@ -94,19 +94,44 @@ class ModeResponse:
         moved: FloatArray = found - np.tensordot(w[n_dead:], response[n_dead:], 1)
         return moved
 
+    def unbalanced(self, displacement: FloatArray, w: FloatArray) -> FloatArray | None:
+        """Return B w − f_int(u; θ(w)), N: what still pushes the body at a state.
+
+        Parameters
+        ----------
+        displacement : (n_points, 3) array
+            u, mm.
+        w : (r,) array
+            The coefficients.
+
+        Returns
+        -------
+        (n_points, 3) array or None
+            None if a cell is inverted.
+        """
+        elements = self._tangent.elements
+        if len(self._modes.growth):
+            elements = grown(elements, self._ratio(w))
+        inner = self._tangent.inner_force(displacement, elements)
+        return None if inner is None else self._dead(w) - inner
+
     def forces(self, displacement: FloatArray, w: FloatArray) -> FloatArray:
         """Return the dead forces under which the body lies so without growth, N.
 
         Those of the dead modes, and what growth adds at the state: (n_points, 3).
         """
-        dead = self._modes.forces[: self._n_dead]
-        total = np.tensordot(w[: self._n_dead], dead, 1).astype(np.float64)
+        total = self._dead(w)
         if len(self._modes.growth):
             at_rest = self._tangent.elements
             before, _ = internal_force(at_rest, displacement)
             after, _ = internal_force(grown(at_rest, self._ratio(w)), displacement)
             total += before - after
         return total
+
+    def _dead(self, w: FloatArray) -> FloatArray:
+        """Return B w, the dead forces, (n_points, 3), N."""
+        forces = self._modes.forces[: self._n_dead]
+        return np.tensordot(w[: self._n_dead], forces, 1).astype(np.float64)
 
     @property
     def _n_dead(self) -> int:

@@ -62,7 +62,7 @@ class TangentResponse:
         Returns
         -------
         (k, n_points, 3) float32 array, (n_points, 3) array, or None
-            None if a cell is inverted or K(u) not positive definite.
+            None if a cell is inverted, or nothing holds the body.
         """
         inner = self.linearise(displacement, elements)
         if inner is None:
@@ -78,6 +78,9 @@ class TangentResponse:
     ) -> FloatArray | None:
         """Factorise the tangent about a state, which `solve` and `backward` use.
 
+        Where it is not positive definite, as far from equilibrium it may not be, the
+        nearest convex one is taken.
+
         Parameters
         ----------
         displacement : (n_points, 3) array
@@ -88,15 +91,20 @@ class TangentResponse:
         Returns
         -------
         (n_points, 3) array or None
-            f_int(u), N; None if a cell is inverted or K(u) not positive definite.
+            f_int(u), N; None if a cell is inverted, or nothing holds the body.
         """
         elements = self.elements if elements is None else elements
-        inner = self._inner_force(displacement, elements)
+        inner = self.inner_force(displacement, elements)
         if inner is None:
             return None
-        data, _ = assemble_tangent(elements, self._pattern, displacement)
-        self._support.add_tangent(self._pattern, data)
-        return inner if self._linear.factorize(data) else None
+        for convex in (False, True):
+            data, _ = assemble_tangent(
+                elements, self._pattern, displacement, convex=convex
+            )
+            self._support.add_tangent(self._pattern, data)
+            if self._linear.factorize(data):
+                return inner
+        return None
 
     def solve(self, forces: NDArray[Any]) -> Fields:
         """Return K⁻¹ f by the tangent that was factorised last, mm.
@@ -127,7 +135,7 @@ class TangentResponse:
         (n_points, 3) array or None
             −K⁻¹ f_int(u), K of another state; None if a cell is inverted.
         """
-        inner = self._inner_force(
+        inner = self.inner_force(
             displacement, self.elements if elements is None else elements
         )
         if inner is None:
@@ -136,10 +144,18 @@ class TangentResponse:
         moved: FloatArray = self._pattern.on_points(self._linear.solve(right))[0]
         return moved
 
-    def _inner_force(
+    def inner_force(
         self, displacement: FloatArray, elements: Elements
     ) -> FloatArray | None:
-        """Return f_int(u) with the skull's, N; None if a cell is inverted."""
+        """Return f_int(u) with the skull's, N; None if a cell is inverted.
+
+        Parameters
+        ----------
+        displacement : (n_points, 3) array
+            u, mm.
+        elements : Elements
+            As they have grown.
+        """
         inner, inverted = internal_force(elements, displacement)
         if inverted >= 0:
             return None

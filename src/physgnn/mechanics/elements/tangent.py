@@ -14,6 +14,7 @@ from physgnn.mechanics.elements.averaged_pressure import (
     volume_gradients,
 )
 from physgnn.mechanics.elements.cell_kinematics import kinematics
+from physgnn.mechanics.elements.convexity import make_convex
 from physgnn.mechanics.elements.tet4 import (
     NO_PRESSURE,
     Elements,
@@ -186,6 +187,7 @@ def _assemble(  # type: ignore[no-untyped-def]
     slot,
     indptr,
     data,
+    convex,
 ):
     F, H = np.empty((3, 3)), np.empty((3, 3))
     A, Ag = np.empty((3, 3, 3, 3)), np.empty((3, 3, 3))
@@ -197,6 +199,8 @@ def _assemble(  # type: ignore[no-untyped-def]
         table.tangent(law[e], F, H, J, constants[e], A)
         if len(pressure):
             _add_pressure_tangent(pressure[e] * J, H, A)
+        if convex:
+            make_convex(A)
         _element_tangent(gradients[e], volumes[e], A, Ag, K)
         for a in range(4):
             for b in range(4):
@@ -219,6 +223,7 @@ def assemble_tangent(
     u: FloatArray,
     *,
     cells: IntArray | None = None,
+    convex: bool = False,
 ) -> tuple[FloatArray, int]:
     """Values of K(u) in the pattern's CSR order.
 
@@ -231,6 +236,8 @@ def assemble_tangent(
     cells : integer array, optional
         The cells that are added up, all by default. Changes of volume are averaged
         over all in any case.
+    convex : bool
+        Leave out what makes a cell unstable (`physgnn.mechanics.elements.convexity`).
 
     Returns
     -------
@@ -262,6 +269,7 @@ def assemble_tangent(
         pattern.slot,
         pattern.indptr,
         data,
+        convex,
     )
     return data, int(inverted)
 

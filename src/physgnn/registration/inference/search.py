@@ -48,7 +48,11 @@ SHORTER = 0.6  # a step without a new tangent is to be so much shorter than the 
 # face to face would never come to rest. A number, not a length: where a length
 # decides, a change of 1e-6 mm in what was measured can be a change of a step.
 MATCHED_STEPS = 12
+# After so many the coefficients are kept, too, and equilibrium alone is sought: where a
+# thin sheet is about to buckle, each new tangent would ask for others.
+FITTED_STEPS = 20
 WEIGHTINGS = 3  # a step
+TOO_FAR = 0.5  # of what pushed a body forward may push it back after a step
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +114,7 @@ class Search:
         known = np.empty(0) if offset is None else offset.variances
         self._about = Modes(modes.family, known, min(noises), modes.most)
         self._prior, self.fit = robust_start(self.rows(), self._about)
+        self._kept: FloatArray | None = None
         self._begins = self._placed_at(start)
 
     def _placed_at(self, start: Reached) -> bool:
@@ -122,6 +127,8 @@ class Search:
     @property
     def w(self) -> FloatArray:
         """The coefficients that go with `u` when the search has ended."""
+        if self._kept is not None:
+            return self._kept
         return self.fit.posterior.mean[: len(self._modes.family)]
 
     @property
@@ -153,6 +160,8 @@ class Search:
             part = min(1.0, LONGEST_STEP_MM / max(length, 1e-12))
             ends = renewed and length < STEP_TOLERANCE_MM
             matches = count < MATCHED_STEPS
+            if count == FITTED_STEPS:
+                self._kept = self.w
             kept = length < SHORTER * before and (renewed or length > NEAR_MM)
             if (ends or kept) and self._along(step, part, matches=matches):
                 before = length
@@ -234,10 +243,25 @@ class Search:
     def _shorter_and_shorter(
         self, step: FloatArray, part: float
     ) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """Yield a part of a step, a half, a quarter … of it, and its coefficients."""
+        """Yield a part of a step, a half, a quarter … of it, and its coefficients.
+
+        Parts that go too far are left out: those at whose end the body is pushed back
+        by more than half of what pushed it forward.
+        """
         change = self.w - self.w_at_u
+        forward = self._pushed(self.u, step)
         for gone in part / 2.0 ** np.arange(MAX_HALVINGS):
-            yield self.u + gone * step, self.w_at_u + gone * change
+            u = self.u + gone * step
+            if self._pushed(u, step) >= -TOO_FAR * abs(forward):
+                yield u, self.w_at_u + gone * change
+
+    def _pushed(self, u: FloatArray, step: FloatArray) -> float:
+        """Return how much the loads push the body along a step, N mm.
+
+        It is −∞ where a cell is inverted.
+        """
+        unbalanced = self._respond.unbalanced(u, self.w)
+        return -np.inf if unbalanced is None else float((unbalanced * step).sum())
 
     def _moved_to(self, u: FloatArray, w: FloatArray, *, matches: bool) -> bool:
         """Go to a state with the tangent kept; False if a cell is inverted there."""
