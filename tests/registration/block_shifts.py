@@ -17,8 +17,8 @@ MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(6000.0, 0.45)}
 NOISE = 0.7
 
 
-def open_box() -> TetMesh:
-    mesh = block_mesh(6, side=SIDE, jitter=0.1)
+def open_box(cells: int = 6) -> TetMesh:
+    mesh = block_mesh(cells, side=SIDE, jitter=0.1)
     x, y, z = mesh.points.T
     wall = (z == 0) | np.isin(x, [0, SIDE]) | np.isin(y, [0, SIDE])
     return mesh.with_point_sets(
