@@ -205,9 +205,9 @@ def test_a_kill_after_any_write_is_resumed(
     except InputError as error:
         assert "start a new one" in str(error)  # not even the record had been written
         train(store, split, config, run)
-    # In a process that has done other work before, 2 of 144 had a number off in its last
-    # bit (7e-9), for a cause not found; 300 undisturbed ones in one process were equal.
-    # Processes of their own are held to every bit, above.
+    # In a process that has done other work before, 2 of 144 had a number off in its
+    # last bit (7e-9), for a cause not found; 300 undisturbed ones in one process were
+    # equal. Processes of their own are held to every bit, above.
     assert_equal(run, whole, within=1e-4)
     listed = Manifest.read(RunFolder(run).manifest, "").parts
     assert all(len(digests) == 1 for digests in listed.values())
