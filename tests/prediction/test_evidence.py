@@ -93,6 +93,7 @@ def test_what_speaks_for_a_displacement_decides(evidence: Evidence, status: S) -
         ({"spread_mm": 2.5}, S.TOO_FEW_POINTS),
         ({"spread_mm": NAN}, S.TOO_FEW_POINTS),
         ({"distance_mm": 14.0}, S.MEASUREMENT_TOO_FAR),
+        ({"exchanged_mm": 2.1}, S.MEASUREMENT_TOO_FAR),
         (EVEN, S.MOVED_AS_A_WHOLE),
         ({"translation_mm": 4.0, "translation_misfit": 1.0}, S.OK),
         # an offset inward looks like sinking: its probability is no excuse

@@ -14,7 +14,12 @@ from block_shifts import (
 )
 
 from physgnn.geometry import boundary_surface
-from physgnn.geometry.measured import PointPairs, SurfacePoints, WholeSurface
+from physgnn.geometry.measured import (
+    BonePoints,
+    PointPairs,
+    SurfacePoints,
+    WholeSurface,
+)
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.prediction import PredictionStatus
 from physgnn.registration.misfits import write_misfits
@@ -203,6 +208,19 @@ def test_a_tracker_that_adds_to_a_shift_is_never_just_ok(
         found = registrar(given, noise_mm=NOISE)
     assert found.prediction.status is not PredictionStatus.OK
     assert found.offset.unknown_mm > 1.0
+
+
+def test_exchanged_ends_are_not_ok(body: TetMesh, registrar: Registrar) -> None:
+    """With bone they were: the offset is then known, and nothing looks odd."""
+    u = true_shift(body, 1, 8.0)
+    pairs = measured(body, u, 1)
+    still = np.array([[0.0, 0, 120], [90, 0, 120], [0, 90, 120], [90, 90, 120]])
+    bone = BonePoints(still, still)
+    assert registrar([pairs, bone], noise_mm=NOISE).prediction.status.usable
+    turned = PointPairs(pairs.target, pairs.source)
+    found = registrar([turned, bone], noise_mm=NOISE).prediction
+    assert found.status is PredictionStatus.MEASUREMENT_TOO_FAR
+    assert any("exchanged" in reason for reason in found.reasons)
 
 
 def test_a_surface_that_bulges_is_told_from_nothing(

@@ -163,6 +163,12 @@ def _too_far(evidence: Evidence) -> Iterator[str]:
             f"half of the measured surface is {fit.distance_mm:.1f} mm or more from "
             f"the body's at rest (at most {FARTHEST_SURFACE_MM:g} mm)"
         )
+    if fit is not None and fit.exchanged_mm > 0:
+        yield (
+            f"half of the places before lie {fit.exchanged_mm:.1f} mm or more from the "
+            "cortex at rest, and those after it less than half as far: are before and "
+            "after exchanged?"
+        )
 
 
 def _too_few_of_bone(evidence: Evidence) -> Iterator[str]:

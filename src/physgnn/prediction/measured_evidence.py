@@ -173,6 +173,8 @@ class MeasurementFit:
         more than the stated noise allows; 0 if no area does.
     bone : BoneFit, optional
         Of points of the bone, where there were any: the offset is what they say.
+    exchanged_mm : float
+        How far pairs begin from the cortex at rest that end on it; 0 if none do.
     """
 
     n_places: int
@@ -187,3 +189,4 @@ class MeasurementFit:
     sunk_mm: float = float("inf")
     bump_mm: float = 0.0
     bone: BoneFit | None = None
+    exchanged_mm: float = 0.0

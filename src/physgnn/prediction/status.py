@@ -101,8 +101,8 @@ _REMEDY = {
         "moved: measure more of them, spread over the exposed surface"
     ),
     PredictionStatus.MEASUREMENT_TOO_FAR: (
-        "the measured surface does not lie near the brain's: check coordinates, units "
-        "(mm) and the tracker's registration"
+        "what was measured does not lie where the brain's surface does: check "
+        "coordinates, units (mm), which end is before, and the tracker's registration"
     ),
     PredictionStatus.MOVED_AS_A_WHOLE: (
         "everything measured moved alike, as it does when the tracker has moved and "

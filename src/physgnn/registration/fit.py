@@ -75,6 +75,10 @@ def fit_of(
         sunk_mm=max(one.sunk_mm for one in measured),
         bump_mm=_largest_bump(measured, rows, fit),
         bone=bone,
+        exchanged_mm=max(
+            (one.exchanged_mm for one in measured if isinstance(one, MeasuredPoints)),
+            default=0.0,
+        ),
     )
 
 

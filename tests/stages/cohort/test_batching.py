@@ -13,10 +13,12 @@ import pytest
 
 from meshes import block_mesh
 from physgnn import stages
+from physgnn.errors import InputError
 from physgnn.geometry.image import Image
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.medical.images.formats import write_image
 from physgnn.stages import batch
+from physgnn.stages.cohort.columns import columns_of
 from physgnn.stages.cohort.running import PatientResult
 from physgnn.stages.cohort.step_table import steps
 
@@ -65,13 +67,31 @@ def test_a_patient_goes_through_the_steps_its_cells_ask_for(cohort: Path) -> Non
     assert anna.outcome in ("ok", "not ok")  # the evidence decides
     assert anna.figures["largest_mm"] == pytest.approx(4.0, abs=1.5)
     made = {path.name for path in (cohort / "out" / "Anna").iterdir()}
-    files = {"shift.vtu", "deformed.nii.gz", "shift.h5", "slices.png"}
+    files = {"shift.vtu", "misfits.csv", "deformed.nii.gz", "shift.h5", "slices.png"}
     assert made == files | {"patient.json", "log.txt"}
     alone = cohort / "alone.vtu"
     stages.register(
         cohort / "block.vtu", alone, points=cohort / "moved.csv", noise_mm=0.5
     )
     assert alone.read_bytes() == (cohort / "out" / "Anna" / "shift.vtu").read_bytes()
+
+
+def test_what_a_stage_writes_is_no_column(cohort: Path) -> None:
+    """A cell named a measurement of the next patient, and it was written over."""
+    for name in ("misfits", "report", "picture", "out"):
+        table = cohort / "written.csv"
+        table.write_text(
+            f"name,case,points,register.{name}\nAnna,block.vtu,moved.csv,half.csv\n"
+        )
+        with pytest.raises(InputError, match=f"unknown column 'register.{name}'"):
+            batch(table, cohort / "out")
+
+
+def test_no_step_has_a_column_for_what_it_writes() -> None:
+    for step in steps():
+        written = getattr(stages, step.command).outputs
+        columns = {column.argument for column in columns_of([step]).values()}
+        assert written and not columns & {*written}, step.command
 
 
 def test_a_series_is_a_column_and_its_last_state_is_warped(cohort: Path) -> None:

@@ -254,8 +254,7 @@ def _conclude_series(out: Path, states: "Sequence[StateResult]") -> None:
     for state in states:
         moved = state.figures.get("largest_mm")
         shown = "" if moved is None else f"; moves by {moved} mm"
-        why = f": {state.reason}" if state.reason else ""
-        print(f"{state.name}  {state.outcome}{why}{shown}")
+        print(f"{state.name}  {state.said}{shown}")
     good = sum(state.outcome == "ok" for state in states)
     print(f"{out / 'series.pvd'}: {good} of {len(states)} states ok")
     if good < len(states):

@@ -1,28 +1,47 @@
 """Where material points went: all three components of their displacement count."""
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.sparse import csr_array
 
 from physgnn.arrays import FloatArray
+from physgnn.errors import InputError
+from physgnn.geometry.boundary import boundary_faces
 from physgnn.geometry.measured import Landmarks, PointPairs
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
 from physgnn.registration.measurements.observation import Observation
 from physgnn.registration.measurements.places import (
     cell_interpolation,
+    nearest_places,
     opening_direction,
     surface_interpolation,
 )
 
+HEAD_MM = 300.0  # no place of a head is farther from another
+
+
+# Places before a shift that lie farther than this from the cortex at rest, in the
+# median, while those after it lie less than half as far, are taken for exchanged.
+EXCHANGED_MM = 2.0
+
 
 class MeasuredPoints:
-    """Pairs of points at places that a sparse matrix interpolates."""
+    """Pairs of points at places that a sparse matrix interpolates.
+
+    Their `exchanged_mm` is how far the places before lie from the cortex at rest, in
+    the median, where they look like those after it; else 0.
+    """
 
     def __init__(
-        self, kind: str, body: Body, pairs: PointPairs, places: csr_array
+        self,
+        kind: str,
+        body: Body,
+        pairs: PointPairs,
+        places: csr_array,
+        *,
+        exchanged_mm: float = 0.0,
     ) -> None:
+        self.exchanged_mm = exchanged_mm
         self.kind, self.labels = kind, pairs.labels
         self.points, self.measured = pairs.source, pairs.target
         self.moved = pairs.displacement
@@ -45,9 +64,32 @@ def measured_pairs(body: Body, pairs: PointPairs) -> MeasuredPoints:
     Raises
     ------
     InputError
-        If one is more than 10 mm from the surface.
+        If one is more than 10 mm from the surface, or moved farther than a head is
+        long.
     """
-    return _measured("pairs", body, pairs, surface_interpolation)
+    places = surface_interpolation(body.mesh, pairs.source)
+    check_within_head(pairs)
+    exchanged = exchanged_mm(body.mesh, pairs)
+    return MeasuredPoints("pairs", body, pairs, places, exchanged_mm=exchanged)
+
+
+def exchanged_mm(mesh: TetMesh, pairs: PointPairs) -> float:
+    """Return how far pairs of the cortex begin from it if they end on it, mm; else 0.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+        The rest state.
+    pairs : PointPairs
+        Of its surface.
+    """
+    faces = boundary_faces(mesh)
+    before, after = (
+        float(np.median(np.linalg.norm(end - nearest, axis=1)))
+        for end in (pairs.source, pairs.target)
+        for _, nearest in [nearest_places(mesh.points, faces, end)]
+    )
+    return before if before > EXCHANGED_MM and after < before / 2 else 0.0
 
 
 def measured_landmarks(body: Body, landmarks: Landmarks) -> MeasuredPoints:
@@ -56,19 +98,22 @@ def measured_landmarks(body: Body, landmarks: Landmarks) -> MeasuredPoints:
     Raises
     ------
     InputError
-        If some are outside of the brain.
+        If some are outside of the brain, or moved farther than a head is long.
     """
-
-    def places(mesh: TetMesh, points: FloatArray) -> csr_array:
-        return cell_interpolation(mesh, points, landmarks.labels)
-
-    return _measured("landmarks", body, landmarks, places)
+    places = cell_interpolation(body.mesh, landmarks.source, landmarks.labels)
+    check_within_head(landmarks)
+    return MeasuredPoints("landmarks", body, landmarks, places)
 
 
-def _measured(
-    kind: str,
-    body: Body,
-    pairs: PointPairs,
-    places: Callable[[TetMesh, FloatArray], csr_array],
-) -> MeasuredPoints:
-    return MeasuredPoints(kind, body, pairs, places(body.mesh, pairs.source))
+def check_within_head(pairs: PointPairs) -> None:
+    """Raise InputError if a place has moved farther than a head is long."""
+    moved = np.linalg.norm(pairs.displacement, axis=1)
+    far = np.flatnonzero(moved > HEAD_MM)
+    if len(far):
+        raise InputError(
+            f"{len(far)} of {len(moved)} measured places, "
+            f"'{pairs.labels[far[0]]}' first, lie "
+            f"{moved[far[0]]:.0f} mm from where they were (a head is {HEAD_MM:g} mm "
+            "long): leave them out, or give the transform of the tracker's space "
+            "(--initial-transform)"
+        )

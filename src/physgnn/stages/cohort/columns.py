@@ -101,8 +101,10 @@ def columns_of(steps: Sequence[Step]) -> Mapping[str, OptionColumn]:
 
 
 def _of_step(step: Step) -> list[OptionColumn]:
-    arguments = inspect.signature(getattr(stages, step.command)).parameters
-    own = {"out", *CALLBACKS, *step.writes}
+    function = getattr(stages, step.command)
+    arguments = inspect.signature(function).parameters
+    # what it writes is the batch's to name: a cell could name another patient's file
+    own = {"out", *CALLBACKS, *step.writes, *getattr(function, "outputs", ())}
     return [
         OptionColumn(step.command, name, parameter.annotation)
         for name, parameter in arguments.items()

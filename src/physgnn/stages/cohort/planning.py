@@ -158,7 +158,7 @@ def _call(
     return Call(
         step,
         given,
-        {"out": out, **_beside(step, folder)},
+        {"out": out, **(_beside(step, folder) if several is None else {})},
         (*paths, *made.values()),
         made=out if several is None else out / several.last(given),
         resumes=several is not None,

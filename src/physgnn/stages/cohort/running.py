@@ -49,8 +49,9 @@ class PatientResult:
 
     @property
     def said(self) -> str:
-        """Outcome, step and reason in one line, as far as there are any."""
-        parts = (self.outcome, self.step, self.reason)
+        """Outcome or, where it is ok, the status; step and reason; in one line."""
+        status = self.figures.get(STATUS) if self.outcome == "ok" else None
+        parts = (str(status or self.outcome), self.step, self.reason)
         return ": ".join(part for part in parts if part)
 
 

@@ -70,7 +70,8 @@ class Step:
     figures : callable
         From what the function returns to what the results say.
     several : Several, optional
-        What makes it a folder of several, if there is such a thing.
+        What makes it a folder of several, if there is such a thing; nothing else is
+        then written.
     """
 
     command: str
@@ -120,13 +121,14 @@ def _of_registration(
 
 
 def _of_states(made: "tuple[StateResult, ...]") -> Figures:
-    """Say of a series what is to be said of its last state, and which are not ok."""
+    """Return the figures of a series's last state, and which states are not ok."""
     bad = [one for one in made if one.outcome != "ok"]
     lines = (f"{one.name} {one.outcome}: {one.reason}" for one in bad)
     told = {name: made[-1].figures.get(name) for name in OF_STATE}
+    worst = bad[0] if bad else made[-1]
     return {
         **told,
-        STATUS: told[STATUS] or made[-1].outcome,
+        STATUS: worst.figures.get(STATUS) or worst.outcome,
         REASONS: "; ".join(lines),
         NOT_OK: bool(bad),
         "states": len(made),
@@ -179,7 +181,13 @@ ROWS = (
         "shift",
         "shift.vtu",
         takes={"mesh": "case"},
-        writes={"form": None, "image": None, "picture": None},
+        writes={
+            "form": None,
+            "image": None,
+            "picture": None,
+            "misfits": "misfits.csv",
+            "report": None,
+        },
         figures=_of_registration,
         several=Several("series", "states", _last_state),
     ),

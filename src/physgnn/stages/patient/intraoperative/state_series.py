@@ -74,6 +74,13 @@ class StateResult:
     seconds: float = 0.0
     figures: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def said(self) -> str:
+        """Status of a displacement that may be used; else outcome and reason."""
+        if self.outcome == "ok":
+            return str(self.figures["status"])
+        return f"{self.outcome}: {self.reason}" if self.reason else self.outcome
+
 
 def register_states(
     patient: PatientBody,
@@ -111,8 +118,7 @@ def register_states(
     series = StateSeries(patient, out, how, log)
     for state in states:
         one = series.result_of(state)
-        why = f": {one.reason}" if one.reason else ""
-        log(f"{one.name}: {one.outcome}{why} ({one.seconds:.1f} s)")
+        log(f"{one.name}: {one.said} ({one.seconds:.1f} s)")
     return tuple(series.results)
 
 
