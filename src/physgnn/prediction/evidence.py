@@ -23,8 +23,7 @@ from physgnn.prediction.status import PredictionStatus
 SMALL_MM = 0.5
 SMALL_OF_DISPLACEMENT = 0.1
 # Cortical shifts of up to 24 mm were seen in 64 patients (Nimsky et al. 2000,
-# "Quantification of, visualization of, and compensation for brain shift using
-# intraoperative magnetic resonance imaging", Neurosurgery 47, 1070-1080).
+# Neurosurgery 47, 1070-1080).
 LARGEST_SHIFT_MM = 40.0
 # Brain tissue hardly changes its volume. In simulated shifts of 5 to 12 mm det F is
 # between 0.86 and 1.12 when registered (docs/results/registration.md).
@@ -32,8 +31,7 @@ SMALLEST_JACOBIAN, LARGEST_JACOBIAN = 0.5, 2.0
 # A rigid motion has six unknowns, which two points determine; how a brain deforms
 # besides has to come from the others (docs/results/registration.md).
 FEWEST_PLACES = 6
-# A real surface sank by 10 mm on average (Roberts et al. 1998, "Intraoperative brain
-# shift and deformation", Neurosurgery 43, 749-758).
+# A real one sank by 10 mm on average (Roberts et al. 1998, Neurosurgery 43, 749-758).
 FARTHEST_SURFACE_MM = 10.0
 # A surface that sinks evenly by less is believed; farther in, what the skull holds at
 # the rim of a craniotomy bends it.
@@ -44,9 +42,8 @@ LARGEST_TRANSLATION_MM = 7.5
 AS_WELL = 1.05
 # From here on it is an offset that was found; below, the bound is of both.
 SURE_OF_OFFSET = 0.95
-# A whole surface leaves 0.1 mm of a misplaced tracker unknown, since the skull holds
-# most of it; points and surfaces within a craniotomy leave 2.4 to 6 mm
-# (docs/results/registration.md).
+# A whole surface leaves 0.1 mm of a misplaced tracker unknown, what is within a
+# craniotomy 2.4 to 6 mm (docs/results/registration.md).
 KNOWN_OFFSET_MM = 1.0
 # Opened, a brain sinks: in simulated shifts the exposed surface by more than half of
 # the largest displacement (benchmarks/registration_statuses.py). One that moves by more
@@ -131,11 +128,11 @@ def _without_objections(evidence: Evidence) -> Verdict:
     offset = evidence.fit.offset if evidence.fit is not None else None
     if offset is None or offset.unknown_mm <= KNOWN_OFFSET_MM:
         return Verdict(PredictionStatus.OK)
-    unseen = (
+    hidden = (
         f"of a misplaced tracker {offset.unknown_mm:.1f} mm (a standard deviation) "
-        "would look like a shift of the brain"
     )
-    return Verdict(PredictionStatus.OK_IF_NAVIGATION_IS_RIGHT, (unseen,))
+    reason = hidden + "would look like a shift of the brain"
+    return Verdict(PredictionStatus.OK_IF_NAVIGATION_IS_RIGHT, (reason,))
 
 
 def _not_converged(evidence: Evidence) -> Iterator[str]:
@@ -166,8 +163,7 @@ def _too_far(evidence: Evidence) -> Iterator[str]:
     if fit is not None and fit.exchanged_mm > 0:
         yield (
             f"half of the places before lie {fit.exchanged_mm:.1f} mm or more from the "
-            "cortex at rest, and those after it less than half as far: are before and "
-            "after exchanged?"
+            "cortex at rest, those after it less than half as far: are they exchanged?"
         )
 
 

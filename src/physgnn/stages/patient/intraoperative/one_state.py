@@ -1,6 +1,6 @@
 """One state of a brain, from its measured files to the file of its displacement."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -25,9 +25,11 @@ from physgnn.stages.patient.intraoperative.scan_surface import (
 
 if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need it do
     from physgnn.registration.registrar import Registrar
+from physgnn.registration.misfits import Misfit
 from physgnn.registration.result import Registration
 
 OUTLIER = "outlier"  # begins what is said of one
+OUTLIERS_NAMED = 20  # a whole surface may have hundreds
 SEGMENTED_MM = 2.0  # noise of a segmented brain's surface: two voxels of a usual scan
 Write = Callable[[Path, DisplacementFields], None]
 
@@ -133,9 +135,18 @@ def register_state(
         rigid_offset=how.rigid_offset,
         after=after,
     )
-    for one in found.outliers:
-        log(f"{OUTLIER}, {one}, weight {one.weight:.2f}")
+    for line in outlier_lines(found.outliers):
+        log(line)
     return RegisteredState(found, measured)
+
+
+def outlier_lines(outliers: Sequence[Misfit]) -> Iterator[str]:
+    """Yield a line for each of the farthest outliers, and one for the rest."""
+    for one in outliers[:OUTLIERS_NAMED]:
+        yield f"{OUTLIER}, {one}, weight {one.weight:.2f}"
+    if len(outliers) > OUTLIERS_NAMED:
+        more = len(outliers) - OUTLIERS_NAMED
+        yield f"{OUTLIER}s, {more} more: --misfits FILE.csv lists all"
 
 
 def write_state(
