@@ -18,8 +18,7 @@ from physgnn.prediction.measured_evidence import (
 )
 from physgnn.prediction.status import PredictionStatus
 
-# An error is small below either; benchmarks/statuses.py counts the mistakes that these
-# two make.
+# An error is small below either; benchmarks/statuses.py counts their mistakes.
 SMALL_MM = 0.5
 SMALL_OF_DISPLACEMENT = 0.1
 # Cortical shifts of up to 24 mm were seen in 64 patients (Nimsky et al. 2000,
@@ -33,8 +32,7 @@ SMALLEST_JACOBIAN, LARGEST_JACOBIAN = 0.5, 2.0
 FEWEST_PLACES = 6
 # A real one sank by 10 mm on average (Roberts et al. 1998, Neurosurgery 43, 749-758).
 FARTHEST_SURFACE_MM = 10.0
-# A surface that sinks evenly by less is believed; farther in, what the skull holds at
-# the rim of a craniotomy bends it.
+# A surface that sinks evenly by less is believed; farther in, the skull's rim bends it.
 LARGEST_TRANSLATION_MM = 7.5
 # Squared misfit of a translation over that of the elastic body: of pairs up to 1.02
 # where a tracker moved by 8 mm, 1.3 and more where a brain sank as far, in simulation;
