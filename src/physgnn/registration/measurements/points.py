@@ -7,7 +7,6 @@ from physgnn.arrays import FloatArray
 from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_faces
 from physgnn.geometry.measured import Landmarks, PointPairs
-from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
 from physgnn.registration.measurements.observation import Observation
 from physgnn.registration.measurements.places import (
@@ -33,15 +32,9 @@ class MeasuredPoints:
     """
 
     def __init__(
-        self,
-        kind: str,
-        body: Body,
-        pairs: PointPairs,
-        places: csr_array,
-        *,
-        exchanged_mm: float = 0.0,
+        self, kind: str, body: Body, pairs: PointPairs, places: csr_array
     ) -> None:
-        self.exchanged_mm = exchanged_mm
+        self.exchanged_mm = 0.0
         self.kind, self.labels = kind, pairs.labels
         self.points, self.measured = pairs.source, pairs.target
         self.moved = pairs.displacement
@@ -69,27 +62,13 @@ def measured_pairs(body: Body, pairs: PointPairs) -> MeasuredPoints:
     """
     places = surface_interpolation(body.mesh, pairs.source)
     check_within_head(pairs)
-    exchanged = exchanged_mm(body.mesh, pairs)
-    return MeasuredPoints("pairs", body, pairs, places, exchanged_mm=exchanged)
-
-
-def exchanged_mm(mesh: TetMesh, pairs: PointPairs) -> float:
-    """Return how far pairs of the cortex begin from it if they end on it, mm; else 0.
-
-    Parameters
-    ----------
-    mesh : TetMesh
-        The rest state.
-    pairs : PointPairs
-        Of its surface.
-    """
-    faces = boundary_faces(mesh)
-    before, after = (
-        float(np.median(np.linalg.norm(end - nearest, axis=1)))
-        for end in (pairs.source, pairs.target)
-        for _, nearest in [nearest_places(mesh.points, faces, end)]
-    )
-    return before if before > EXCHANGED_MM and after < before / 2 else 0.0
+    found = MeasuredPoints("pairs", body, pairs, places)
+    faces = boundary_faces(body.mesh)
+    _, nearest = nearest_places(body.mesh.points, faces, pairs.target)
+    after = float(np.median(np.linalg.norm(pairs.target - nearest, axis=1)))
+    if found.distance_mm > EXCHANGED_MM and after < found.distance_mm / 2:
+        found.exchanged_mm = found.distance_mm
+    return found
 
 
 def measured_landmarks(body: Body, landmarks: Landmarks) -> MeasuredPoints:
