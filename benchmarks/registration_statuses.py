@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from held_out import Log
 from physgnn.arrays import FloatArray, IntArray
@@ -44,10 +45,12 @@ Measured = PointPairs | SurfacePoints | WholeSurface
 Given = Measured | list[Measured | BonePoints]
 USUAL = 40  # pairs, of the 50 there are
 LINE_MM = 20.0  # of bone points in one
+OFF_HEAD_MM = 3.0  # at least, from the brain to bone that was given in LPS
+LPS = np.array([-1.0, -1.0, 1.0])
 STRAY_MM = 15.0  # each coordinate of a bad point
 
 
-def _some(case: Case, chosen: IntArray | slice) -> PointPairs:
+def _some(case: Case, chosen: IntArray | slice | list[int]) -> PointPairs:
     return PointPairs(case.pairs.source[chosen], case.pairs.target[chosen])
 
 
@@ -129,10 +132,39 @@ def bone_swapped(case: Case) -> Given:
 
 def bone_in_a_line(case: Case) -> Given:
     first, second = case.bone.source[:2]
-    along = (second - first) / np.linalg.norm(second - first)
+    out = first - case.whole.points.mean(axis=0)
+    along = np.cross(out, second - first)  # so that it does not dip into the brain
+    along /= np.linalg.norm(along)
     line = first + np.linspace(0.0, LINE_MM, 3)[:, None] * along
     noise = case.bone.displacement[:3]
     return [case.pairs, BonePoints(line, line + noise)]
+
+
+def cortex_for_bone(case: Case) -> Given:
+    """Take every eighth pair of the cortex for bone."""
+    some = slice(None, None, 8)
+    taken = BonePoints(case.pairs.source[some], case.pairs.target[some])
+    return [_some(case, [i for i in range(len(case.pairs.source)) if i % 8]), taken]
+
+
+def bone_in_lps(mm: float, where: str, case: Case) -> Given:
+    """Add a tracker that is off, and bone in LPS that could be bone in RAS as well."""
+    pairs, bone = with_bone(partial(both, mm, where), case)
+    middle = case.whole.points.mean(axis=0)
+    out = bone.source - middle
+    away = out / np.linalg.norm(out, axis=1, keepdims=True)
+    in_lps = bone.source.copy()
+    while not (off := _off_head(case, in_lps * LPS) > OFF_HEAD_MM).all():
+        in_lps[~off] += away[~off]
+    return [pairs, BonePoints(in_lps * LPS, (in_lps + bone.displacement) * LPS)]
+
+
+def _off_head(case: Case, points: FloatArray) -> FloatArray:
+    """Return how much farther from the head's middle points are than its surface."""
+    head = case.whole.points
+    nearest = head[cKDTree(head).query(points)[1]]
+    far = [np.linalg.norm(p - head.mean(axis=0), axis=1) for p in (points, nearest)]
+    return far[0] - far[1]
 
 
 GOOD: Mapping[str, Callable[[Case], Measured]] = {
@@ -170,6 +202,10 @@ CHECKED = (*GOOD, *(name for name in BAD if " off, " in name or "tracker" in nam
 BAD_BONE: Mapping[str, Callable[[Case], Given]] = {
     "50 pairs, two of 6 bone points swapped": bone_swapped,
     "50 pairs, 3 bone points in a line": bone_in_a_line,
+    "44 pairs, 6 others given as bone": cortex_for_bone,
+    "shift, tracker moved 8 mm, aside, bone in LPS": partial(bone_in_lps, 8.0, "side"),
+    "shift, tracker moved 4 mm, aside, bone in LPS": partial(bone_in_lps, 4.0, "side"),
+    "shift, tracker moved 2 mm, aside, bone in LPS": partial(bone_in_lps, 2.0, "side"),
 }
 
 

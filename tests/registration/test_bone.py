@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from block_shifts import (
+    MATERIALS,
     NOISE,
     SIDE,
     errors,
@@ -19,6 +20,7 @@ from scipy.spatial.transform import Rotation
 from physgnn.errors import InputError
 from physgnn.geometry.measured import BonePoints, PointPairs
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.mechanics.body import Body
 from physgnn.prediction import PredictionStatus
 from physgnn.registration.measurements.bone import check_bone
 from physgnn.registration.measurements.kinds import AnyMeasured, moved, parted
@@ -204,3 +206,40 @@ def test_points_of_the_brain_are_no_bone_as_well(body: TetMesh) -> None:
     )
     with pytest.raises(InputError, match="given as both"):
         parted(body, [brain, again])
+
+
+def test_points_of_the_cortex_are_no_bone(body: TetMesh, registrar: Registrar) -> None:
+    u = true_shift(body, 0, 8.0)
+    pairs = measured(body, u, 0)
+    taken, left = slice(None, None, 4), np.arange(len(pairs.source)) % 4 > 0
+    cortex = BonePoints(pairs.source[taken], pairs.target[taken])
+    rest = PointPairs(pairs.source[left], pairs.target[left])
+    found = registrar([rest, cortex], noise_mm=NOISES)
+    assert wrong(found, u)  # the bone takes out that the brain sank
+    assert found.prediction.status == PredictionStatus.BONE_MISFIT
+    assert any("no bone" in reason for reason in found.prediction.reasons)
+
+
+@pytest.mark.parametrize("side", [0.0, 8.0])
+def test_bone_that_could_be_of_other_axes_leaves_the_navigation_to_the_user(
+    side: float, body: TetMesh
+) -> None:
+    """Where the head lies about the origin, nothing but the user tells RAS from LPS."""
+    middle = np.array([SIDE / 2, SIDE / 2, 0.0])
+    centred = replace(body, points=body.points - middle)
+    registrar = Registrar(Body(centred, MATERIALS))
+    pairs = measured(body, true_shift(body, 0, 8.0), 0)
+    told = bone(0, (side, 0.0, 0.0))
+    to = [side, 0.0, 0.0] - middle
+    seen = PointPairs(pairs.source - middle, pairs.target + to)
+    found = registrar(
+        [seen, BonePoints(told.source - middle, told.target - middle)], noise_mm=NOISES
+    )
+    assert found.bone is not None
+    assert found.bone.other_axes_mm == pytest.approx(2 * side, abs=1.0)
+    status = found.prediction.status
+    if side:
+        assert status == PredictionStatus.OK_IF_NAVIGATION_IS_RIGHT
+        assert "LPS" in found.prediction.reasons[0]
+    else:
+        assert status == PredictionStatus.OK

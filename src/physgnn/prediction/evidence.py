@@ -40,9 +40,6 @@ LARGEST_TRANSLATION_MM = 7.5
 AS_WELL = 1.05
 # From here on it is an offset that was found; below, the bound is of both.
 SURE_OF_OFFSET = 0.95
-# A whole surface leaves 0.1 mm of a misplaced tracker unknown, what is within a
-# craniotomy 2.4 to 6 mm (docs/results/registration.md).
-KNOWN_OFFSET_MM = 1.0
 # Opened, a brain sinks: in simulated shifts the exposed surface by more than half of
 # the largest displacement (benchmarks/registration_statuses.py). One that moves by more
 # than the first, but sinks by a smaller share of it than the second, may have sunk
@@ -123,14 +120,10 @@ def decide(evidence: Evidence) -> Verdict:
 
 def _without_objections(evidence: Evidence) -> Verdict:
     """Return ok, or what it rests on: an offset that nothing measured would show."""
-    offset = evidence.fit.offset if evidence.fit is not None else None
-    if offset is None or offset.unknown_mm <= KNOWN_OFFSET_MM:
+    hidden = tuple(evidence.fit.hidden_offset()) if evidence.fit is not None else ()
+    if not hidden:
         return Verdict(PredictionStatus.OK)
-    hidden = (
-        f"of a misplaced tracker {offset.unknown_mm:.1f} mm (a standard deviation) "
-    )
-    reason = hidden + "would look like a shift of the brain"
-    return Verdict(PredictionStatus.OK_IF_NAVIGATION_IS_RIGHT, (reason,))
+    return Verdict(PredictionStatus.OK_IF_NAVIGATION_IS_RIGHT, hidden)
 
 
 def _not_converged(evidence: Evidence) -> Iterator[str]:

@@ -14,6 +14,12 @@ LARGEST_OUTLIER_SHARE = 0.2
 SAME_PLACE_MM = 1.0  # points nearer to each other than this count once
 LEAST_SPREAD_MM = 3.0  # across the line along which the points spread most
 FEWEST_BONE_POINTS = 3  # fewer do not tell a rotation
+# A whole surface leaves 0.1 mm of a misplaced tracker unknown, what is within a
+# craniotomy 2.4 to 6 mm (docs/results/registration.md).
+KNOWN_OFFSET_MM = 1.0
+# Dura, fluid and the bone's own thickness lie between the cortex and what a pointer
+# touches of the skull; a mesh's surface is less than this off.
+LEAST_OFF_BRAIN_MM = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +100,11 @@ class BoneFit:
         Probability of a misfit as large, by noise alone.
     outlier_share : float
         Of all points, that the rest contradicts.
+    off_brain_mm : float
+        How far the points stand off the brain in the scan, in the median.
+    other_axes_mm : float
+        How far apart the offset is from what it would be if the points were of LPS,
+        where such points could be of bone, too; 0 where they could not.
     """
 
     n_points: int
@@ -101,6 +112,8 @@ class BoneFit:
     misfit_mm: float
     chance: float
     outlier_share: float
+    off_brain_mm: float = float("inf")
+    other_axes_mm: float = 0.0
 
     def __str__(self) -> str:
         if not self.n_points:
@@ -135,6 +148,11 @@ class BoneFit:
             yield (
                 f"{self.outlier_share:.0%} of the bone points contradict the others "
                 f"(at most {LARGEST_OUTLIER_SHARE:.0%})"
+            )
+        if self.off_brain_mm < LEAST_OFF_BRAIN_MM:
+            yield (
+                f"half of the bone points lie within {self.off_brain_mm:.1f} mm of the "
+                "brain's surface: points of the cortex are no bone"
             )
 
 
@@ -190,3 +208,17 @@ class MeasurementFit:
     bump_mm: float = 0.0
     bone: BoneFit | None = None
     exchanged_mm: float = 0.0
+
+    def hidden_offset(self) -> Iterator[str]:
+        """Yield why an offset of the navigation may be hidden in the displacement."""
+        if self.offset is not None and self.offset.unknown_mm > KNOWN_OFFSET_MM:
+            yield (
+                f"of a misplaced tracker {self.offset.unknown_mm:.1f} mm (a standard "
+                "deviation) would look like a shift of the brain"
+            )
+        if self.bone is not None and self.bone.other_axes_mm > KNOWN_OFFSET_MM:
+            yield (
+                "the bone points could be in LPS as well, and the navigation is "
+                f"{self.bone.other_axes_mm:.1f} mm elsewhere then: check that they are "
+                "in RAS"
+            )

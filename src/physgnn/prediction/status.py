@@ -67,7 +67,7 @@ _REMEDY = {
     PredictionStatus.OK_IF_NAVIGATION_IS_RIGHT: (
         "it can be used with its error estimate once you have checked the navigation: "
         "one that is off into the brain looks like a brain that sank; give points of "
-        "the bone (--bone) to have it checked"
+        "the bone (--bone), in RAS, to have it checked"
     ),
     PredictionStatus.REPAIRED: (
         "the estimate was above the tolerance, so the prediction was taken to "
@@ -126,8 +126,8 @@ _REMEDY = {
         "turned about it: give three or more, spread around the craniotomy"
     ),
     PredictionStatus.BONE_MISFIT: (
-        "the bone points do not agree on one offset of the navigation: check for "
-        "swapped or bad ones, and --bone-noise-mm; measure them again"
+        "the bone points do not agree on one offset of the navigation, or are none of "
+        "bone: check for swapped or bad ones, and --bone-noise-mm; measure them again"
     ),
 }
 

@@ -1,7 +1,9 @@
 """Everything measured in its place on a body, without the offset that bone tells of."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
@@ -12,7 +14,12 @@ from physgnn.registration.inference.bounds import Alternative
 from physgnn.registration.inference.rigid_offset import UNKNOWN, OffsetPrior
 from physgnn.registration.inference.rows import middle_of
 from physgnn.registration.inference.search import Search
-from physgnn.registration.measurements.bone import KIND
+from physgnn.registration.measurements.bone import (
+    KIND,
+    LPS,
+    can_be_in_lps,
+    off_brain,
+)
 from physgnn.registration.measurements.kinds import (
     AnyMeasured,
     Noise,
@@ -51,6 +58,8 @@ class Placed:
         Of the offset that a search corrects; None if it corrects none.
     left_out : tuple of str
         Pairs that were listed and have no place at one end.
+    bone : BoneFit or None
+        How well the points of the bone agree, if there were any.
     """
 
     measured: list[Measurement]
@@ -58,6 +67,7 @@ class Placed:
     told: BoneOffset | None
     prior: OffsetPrior | None
     left_out: tuple[str, ...] = ()
+    bone: BoneFit | None = None
 
     @property
     def kinds(self) -> list[str]:
@@ -70,11 +80,6 @@ class Placed:
         if self.told is not None:
             return "by bone"
         return "no" if self.prior is None else "estimated"
-
-    @property
-    def bone(self) -> BoneFit | None:
-        """How well the points of the bone agree, if there were any."""
-        return None if self.told is None else bone_fit_of(self.told)
 
     def offset(self, search: Search) -> tuple[RigidOffset, list[Alternative]]:
         """Return the offset that a search ended with; posteriors the error is of."""
@@ -127,5 +132,18 @@ def placed(
         return Placed(measured, noises(measured), None, prior, left_out)
     told = offset_from_bone(bone, noises_of([KIND], noise_mm)[0])
     measured = measurements_of(body, [moved(one, told.motion.undone) for one in brain])
-    prior = told.prior_about(middle_of(measured))
-    return Placed(measured, noises(measured), told, prior, left_out)
+    middle = middle_of(measured)
+    in_lps = can_be_in_lps(body.mesh, bone)
+    fit = replace(
+        bone_fit_of(told),
+        off_brain_mm=off_brain(body.mesh, bone),
+        other_axes_mm=_moved_by_axes(told, middle) if in_lps else 0.0,
+    )
+    prior = told.prior_about(middle)
+    return Placed(measured, noises(measured), told, prior, left_out, fit)
+
+
+def _moved_by_axes(told: BoneOffset, middle: FloatArray) -> float:
+    """Return how far apart the offset puts a place if its points were in LPS, mm."""
+    there = LPS * told.motion((LPS * middle)[None])[0]
+    return float(np.linalg.norm(there - told.motion(middle[None])[0]))

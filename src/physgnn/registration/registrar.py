@@ -28,7 +28,7 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.cell_kinematics import volume_change_range
 from physgnn.mechanics.linear.blas_threads import one_blas_thread
 from physgnn.prediction.evidence import Evidence, Verdict, decide
-from physgnn.prediction.measured_evidence import RigidOffset
+from physgnn.prediction.measured_evidence import MeasurementFit
 from physgnn.prediction.prediction import ErrorBound, Prediction
 from physgnn.registration.covariances import point_covariance
 from physgnn.registration.fit import fit_of
@@ -159,7 +159,8 @@ class Registrar:
         lengths = error_lengths(alternatives, search.response, seed)
         factors = factors_of(there.kinds, skull=self.skull, corrected=there.corrected)
         estimate = estimate_of(lengths, coverage, factors)
-        verdict = self._verdict(search, estimate, there, offset, whole)
+        known = fit_of(there.measured, rows, fit, offset, there.bone)
+        verdict = self._verdict(search, estimate, known, whole)
         deviation = factors.of_mean * lengths.deviation_mm
         covariance = point_covariance(
             mixed_covariance(alternatives), search.response, deviation
@@ -233,8 +234,7 @@ class Registrar:
         self,
         search: Search,
         estimate: ErrorBound,
-        there: Placed,
-        offset: RigidOffset,
+        fit: MeasurementFit,
         converged: bool,
     ) -> Verdict:
         return decide(
@@ -243,9 +243,7 @@ class Registrar:
                 bound_mm=estimate.max_mm,
                 converged=converged,
                 jacobian=volume_change_range(self.body.mesh, search.u),
-                fit=fit_of(
-                    there.measured, search.rows(), search.fit, offset, there.bone
-                ),
+                fit=fit,
             )
         )
 

@@ -11,13 +11,17 @@ from physgnn.geometry.boundary import boundary_faces, boundary_points
 from physgnn.geometry.measured import BonePoints
 from physgnn.geometry.plausibility import check_same_units, units_by_extent
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.prediction.measured_evidence import LEAST_OFF_BRAIN_MM
 from physgnn.registration.measurements.places import SNAP_MM, nearest_places
 
 # No bone of a head is farther from its brain; the chin is about 120 mm.
 FARTHEST_MM = 200.0
 # A navigation that is farther off has not been registered: it is in other coordinates.
 LARGEST_OFFSET_MM = 50.0
+# Half of the points of a skull are nearer to the brain than this, but for a face alone.
+SKULL_MM = 40.0
 KIND = "bone"
+LPS = np.array([-1.0, -1.0, 1.0])  # times RAS, and the other way round
 
 
 def check_bone(mesh: TetMesh, bone: BonePoints) -> None:
@@ -50,6 +54,24 @@ def check_bone(mesh: TetMesh, bone: BonePoints) -> None:
         )
 
 
+def off_brain(mesh: TetMesh, bone: BonePoints) -> float:
+    """Return how far bone points stand off the brain in the scan, in the median, mm.
+
+    Those within the brain's surface stand off by nothing.
+    """
+    return _BonePlaces.of(mesh, bone.source).off_mm
+
+
+def can_be_in_lps(mesh: TetMesh, bone: BonePoints) -> bool:
+    """Return whether points would lie where bone can be if they were of LPS, too.
+
+    A table of points does not say of which axes it is.
+    """
+    here, there = (_BonePlaces.of(mesh, axes * bone.source) for axes in (1.0, LPS))
+    off_mm = (LEAST_OFF_BRAIN_MM, max(here.off_mm, SKULL_MM))
+    return there.possible and off_mm[0] <= there.off_mm <= off_mm[1]
+
+
 def _check_places(mesh: TetMesh, bone: BonePoints) -> None:
     """Raise InputError if a point cannot be of bone; it names it, or the unit."""
     places = _BonePlaces.of(mesh, bone.source)
@@ -77,10 +99,10 @@ def _check_places(mesh: TetMesh, bone: BonePoints) -> None:
 
 @dataclass(frozen=True)
 class _BonePlaces:
-    """How far points are from the brain's surface, mm, and which cannot be of bone."""
+    """How far points are from the brain's surface, mm, and which lie within it."""
 
     away: FloatArray
-    deep: BoolArray
+    inside: BoolArray
 
     @classmethod
     def of(cls, mesh: TetMesh, points: FloatArray) -> "_BonePlaces":
@@ -88,7 +110,15 @@ class _BonePlaces:
         away = np.linalg.norm(points - nearest, axis=1)
         grid = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, mesh.points)
         inside = np.atleast_1d(grid.find_containing_cell(points)) >= 0
-        return cls(away, inside & (away > SNAP_MM))
+        return cls(away, inside)
+
+    @property
+    def deep(self) -> BoolArray:
+        return self.inside & (self.away > SNAP_MM)
+
+    @property
+    def off_mm(self) -> float:
+        return float(np.median(np.where(self.inside, 0.0, self.away)))
 
     @property
     def far(self) -> BoolArray:
