@@ -37,7 +37,7 @@ class Speed:
     script : str
         Its file.
     arguments : tuple of str
-        ``{references}`` and ``{published}`` stand for these folders.
+        ``{references}``, ``{published}`` and ``{out}`` stand for these folders.
     quick : tuple of str, optional
         In place of the arguments, where there is little time.
     """
@@ -84,6 +84,13 @@ ROWS = (
         quick=("--sizes", "10000", "30000"),
     ),
     Speed(
+        "command-growth",
+        "commands on finer and finer meshes",
+        "command_growth.py",
+        ("--out", "{out}/command-growth"),
+        quick=("--out", "{out}/command-growth", "--sizes", "3000", "10000", "30000"),
+    ),
+    Speed(
         "physgnn",
         "PhysGNN, beside PyTorch Geometric",
         "physgnn_speed.py",
@@ -121,7 +128,9 @@ def measured(row: Speed, given: argparse.Namespace) -> dict[str, Any]:
     """Return what a benchmark printed, of an earlier run if there was one."""
     kept = given.out / f"{row.name}.json"
     arguments = row.quick if given.quick and row.quick is not None else row.arguments
-    folders = {"references": given.references, "published": given.published}
+    folders = {
+        name: getattr(given, name) for name in ("references", "published", "out")
+    }
     command = [row.script, *(word.format(**folders) for word in arguments)]
     if kept.is_file():
         result: dict[str, Any] = json.loads(kept.read_text())
