@@ -39,7 +39,7 @@ PrecisionOption = Annotated[
     choices.PrecisionName,
     typer.Option(
         help="Compute the largest products in this precision. Only PhysGNN has "
-        "bfloat16: it is quicker and rougher."
+        "bfloat16: it is rougher, and quicker where the processor multiplies it."
     ),
 ]
 AffineOption = Annotated[

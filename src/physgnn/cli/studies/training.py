@@ -81,7 +81,7 @@ def train(
         choices.PrecisionName | None,
         typer.Option(
             help="Compute the largest products in this precision. Only PhysGNN has "
-            "bfloat16: it is quicker and rougher."
+            "bfloat16: it is rougher, and quicker where the processor multiplies it."
         ),
     ] = None,
     seed: Annotated[
