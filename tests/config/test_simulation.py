@@ -57,6 +57,19 @@ def test_a_whole_file(tmp_path: Path, block: TetMesh) -> None:
     assert np.linalg.norm(paths[0].forces.sum(axis=0)) == pytest.approx(0.02)
 
 
+def test_further_paths_are_of_another_draw(tmp_path: Path, block: TetMesh) -> None:
+    preset = read_preset(write(tmp_path, WHOLE))
+    _, own = preset.on(block)
+    _, paths = preset.on(block, 4)
+    assert len(paths) == 11
+    assert all(p.n_levels == 3 and len(p.nodes) == 2 for p in paths)
+    drawn = {p.forces.tobytes() for p in own}
+    assert not drawn & {p.forces.tobytes() for p in paths[7:]}
+    text = WHOLE + '[[loads.more]]\nkind = "gravity"\ndirection = [0, 1, 0]\n'
+    with pytest.raises(InputError, match="--training-paths"):
+        read_preset(write(tmp_path, text)).on(block, 4)
+
+
 def test_sets_may_come_with_the_mesh(tmp_path: Path, block: TetMesh) -> None:
     preset = read_preset(write(tmp_path, "[loads]\ntotal_force_n = 1\n"))
     mesh, paths = preset.on(block)

@@ -1,5 +1,6 @@
 """The published presets give the published sets and loads."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -113,3 +114,26 @@ def test_sets_of_the_mesh_serve_where_there_is_no_rule(block: TetMesh) -> None:
     bare = TetMesh(block.points, block.cells, block.region)
     with pytest.raises(InputError, match="no point set 'fixed'"):
         preset.on(bare)
+
+
+@pytest.mark.parametrize("name", sorted(PRESETS))
+def test_further_paths_come_after_the_preset_s_own(name: str, block: TetMesh) -> None:
+    preset = replace(PRESETS[name], fixed=None, loaded=None)
+    few = block.point_set("loaded")[:11]
+    body = block.with_point_sets(loaded=few)
+    _, own = preset.on(body)
+    _, more = preset.on(body, 5)
+    assert len(more) == len(own) + 5
+    for one, other in zip(own, more, strict=False):
+        np.testing.assert_array_equal(one.forces, other.forces)
+    drawn = {path.forces.tobytes() for path in more[len(own) :]}
+    assert len(drawn) == 5 and not drawn & {path.forces.tobytes() for path in own}
+
+
+def test_further_paths_need_a_rule_and_room(block: TetMesh) -> None:
+    without = replace(PRESETS["demo"], fixed=None, loaded=None, further=None)
+    with pytest.raises(InputError, match="--training-paths"):
+        without.on(block, 1)
+    with_rule = replace(PRESETS["demo"], fixed=None, loaded=None)
+    with pytest.raises(InputError, match="PHYSGNN_DATASET_LIMIT_GB"):
+        with_rule.on(block, 10**9)

@@ -39,6 +39,7 @@ kind = "gravity"
 direction = [0, 0, -1]
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -60,11 +61,13 @@ from physgnn.config.point_sets import RULES_BY_NAME
 from physgnn.config.tables import ConfigTable, read_as, read_toml, variants
 from physgnn.dataset.load_rules import (
     MORE_LOADS,
+    Further,
     MeasuredPlaces,
     Paths,
     PressureOn,
     Shift,
     bounded,
+    drawn_further,
     with_more,
     without_forces,
 )
@@ -73,6 +76,7 @@ from physgnn.dataset.presets import BRAIN_AND_TUMOUR, Preset
 from physgnn.errors import InputError
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, checked_element
 from physgnn.mechanics.loads.growth_rules import GrowthIn
+from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.sampling import cone_paths
 
 POINT_SETS = ("fixed", "loaded")
@@ -126,12 +130,7 @@ class LoadsTable(ConfigTable):
             else rule
             for rule in self.more
         ]
-        forces: Paths = partial(
-            cone_paths,
-            n_paths=self.paths,
-            n_levels=self.levels,
-            **self.model_dump(exclude={"paths", "levels", "more"}),
-        )
+        forces: Paths = partial(self._forces, n_paths=self.paths, seed=self.seed)
         n_paths, paths = self.paths, forces
         if not self.has_forces:
             n_paths = 1
@@ -139,6 +138,18 @@ class LoadsTable(ConfigTable):
         elif more:
             paths = partial(with_more, paths=forces, more=more)
         return partial(bounded, paths=paths, n_paths=n_paths, n_levels=self.levels)
+
+    @property
+    def further(self) -> Further | None:
+        """What draws further paths; None where there are loads of other kinds."""
+        if self.more:
+            return None
+        return partial(drawn_further, rule=self._forces, seed=self.seed)
+
+    @property
+    def _forces(self) -> Callable[..., list[LoadPath]]:
+        drawn = self.model_dump(exclude={"paths", "levels", "seed", "more"})
+        return partial(cone_paths, n_levels=self.levels, **drawn)
 
 
 def _support_of(value: Any) -> MembraneSupport:
@@ -240,6 +251,7 @@ def read_preset(path: str | Path) -> Preset:
     return Preset(
         materials={**BRAIN_AND_TUMOUR, **file.materials},
         paths=file.loads.drawn(Path(path).parent),
+        further=file.loads.further,
         **sets,
         others=rules,
         has_forces=file.loads.has_forces,

@@ -21,9 +21,33 @@ from physgnn.mechanics.loads.growth_rules import GrowthIn
 from physgnn.mechanics.loads.paths import Load, LoadPath
 from physgnn.mechanics.loads.prescribed import PrescribedDisplacement
 from physgnn.mechanics.loads.pressure import SurfacePressure, faces_within
-from physgnn.mechanics.loads.sampling import equal_levels
+from physgnn.mechanics.loads.sampling import FURTHER_SEED, equal_levels
 
 Paths: TypeAlias = Callable[[TetMesh, IntArray], list[LoadPath]]
+Further: TypeAlias = Callable[[TetMesh, IntArray, int], list[LoadPath]]
+"""From mesh, loaded nodes and a number to so many further paths."""
+
+
+def drawn_further(
+    mesh: TetMesh,
+    loaded: IntArray,
+    n_paths: int,
+    *,
+    rule: Callable[..., list[LoadPath]],
+    seed: int = 0,
+) -> list[LoadPath]:
+    """Return further paths of a rule with a seed: those of another seed.
+
+    Parameters
+    ----------
+    mesh, loaded, n_paths
+        As of `Further`.
+    rule : callable
+        Takes ``n_paths`` and ``seed`` by name.
+    seed : int
+        Of the paths there are already.
+    """
+    return rule(mesh, loaded, n_paths=n_paths, seed=seed + FURTHER_SEED)
 
 
 @dataclass(frozen=True)

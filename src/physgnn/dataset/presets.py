@@ -6,8 +6,10 @@ from functools import partial
 
 import numpy as np
 
-from physgnn.dataset.load_rules import Paths
+from physgnn.arrays import IntArray
+from physgnn.dataset.load_rules import Further, Paths, drawn_further
 from physgnn.dataset.membranes import Membranes
+from physgnn.dataset.size_bound import check_dataset_size
 from physgnn.errors import InputError
 from physgnn.geometry import point_sets
 from physgnn.geometry.point_sets import HalfSpace, Nearest, Rule
@@ -18,6 +20,8 @@ from physgnn.mechanics.loads.patch_sampling import patch_load_paths
 from physgnn.mechanics.loads.paths import LoadPath
 from physgnn.mechanics.loads.sampling import (
     all_node_paths,
+    further_all_node_paths,
+    further_single_node_paths,
     single_node_paths,
     traction_paths,
 )
@@ -35,6 +39,8 @@ class Preset:
         May name regions the mesh does not have.
     paths : callable
         From mesh and loaded nodes to load paths.
+    further : callable, optional
+        From these and a number to so many further ones of the same kind.
     fixed, loaded : rule or None
         Points held and points loaded; None takes the mesh's point set of that name.
     others : mapping of str to rule
@@ -51,6 +57,7 @@ class Preset:
 
     materials: Mapping[int, Material]
     paths: Paths
+    further: Further | None = None
     fixed: Rule | None = None
     loaded: Rule | None = None
     others: Mapping[str, Rule] = field(default_factory=dict)
@@ -59,14 +66,23 @@ class Preset:
     removed: int | None = None
     membranes: Membranes = field(default_factory=Membranes)
 
-    def on(self, mesh: TetMesh) -> tuple[TetMesh, list[LoadPath]]:
+    def on(
+        self, mesh: TetMesh, training_paths: int = 0
+    ) -> tuple[TetMesh, list[LoadPath]]:
         """Return the mesh to be solved on, with its point sets, and the load paths.
+
+        Parameters
+        ----------
+        mesh : TetMesh
+            The mesh.
+        training_paths : int
+            So many further paths, of another draw, come after the others.
 
         Raises
         ------
         InputError
-            If a rule selects nothing, the mesh lacks a set that has no rule, or a load
-            does not fit it.
+            If a rule selects nothing, the mesh lacks a set that has no rule, a load
+            does not fit it, or further paths are asked for and none can be drawn.
         """
         if self.removed is not None:
             mesh, _ = remove_region(mesh, self.removed)
@@ -81,7 +97,22 @@ class Preset:
         mesh = self.membranes.holding(mesh.with_point_sets(**sets))
         none = np.empty(0, dtype=np.int64)
         loaded = mesh.point_set("loaded") if "loaded" in sets else none
-        return mesh, self.membranes.on(mesh, self.paths(mesh, loaded))
+        paths = self.paths(mesh, loaded)
+        if training_paths:
+            paths = [*paths, *self._further(mesh, loaded, paths, training_paths)]
+        return mesh, self.membranes.on(mesh, paths)
+
+    def _further(
+        self, mesh: TetMesh, loaded: IntArray, paths: list[LoadPath], count: int
+    ) -> list[LoadPath]:
+        """Return so many paths beyond these."""
+        if self.further is None:
+            raise InputError(
+                "further load paths for training need forces that are drawn, without "
+                "loads of other kinds: leave out --training-paths"
+            )
+        check_dataset_size(len(paths) + count, paths[0].n_levels, mesh.n_points)
+        return self.further(mesh, loaded, count)
 
 
 BRAIN_AND_TUMOUR: Mapping[int, Material] = {
@@ -91,16 +122,28 @@ BRAIN_AND_TUMOUR: Mapping[int, Material] = {
 
 PUBLISHED_FIXED = HalfSpace((20.0, 0.0), (80.0, 90.0, 120.0), "<", 265.0)
 
+DEMO_LOADS = partial(
+    patch_load_paths,
+    radius_mm=(10.0, 45.0),
+    force_n=(2.0, 4.0),
+    nodal_force_n=0.3,
+    cone_deg=35.0,
+    n_levels=10,
+)
+FAMILY_LOADS = partial(traction_paths, traction_pa=2200.0, n_levels=10)
+
 PRESETS: Mapping[str, Preset] = {
     "paper-1": Preset(
         BRAIN_AND_TUMOUR,
         partial(single_node_paths, force_n=1.35, n_levels=30),
+        further=partial(further_single_node_paths, force_n=1.35, n_levels=30),
         fixed=PUBLISHED_FIXED,
         loaded=HalfSpace((15.0, 20.0), (80.0, 110.0, 130.0), ">", 275.5),
     ),
     "paper-2": Preset(
         BRAIN_AND_TUMOUR,
         partial(all_node_paths, total_force_n=20.0, n_levels=30, n_paths=165),
+        further=partial(further_all_node_paths, total_force_n=20.0, n_levels=30),
         fixed=PUBLISHED_FIXED,
         loaded=HalfSpace((200.0, 0.0), (80.0, 110.0, 130.0), "<=", -32.4),
     ),
@@ -108,22 +151,16 @@ PRESETS: Mapping[str, Preset] = {
     # smallest patches are one node.
     "demo": Preset(
         BRAIN_AND_TUMOUR,
-        partial(
-            patch_load_paths,
-            radius_mm=(10.0, 45.0),
-            force_n=(2.0, 4.0),
-            nodal_force_n=0.3,
-            cone_deg=35.0,
-            n_levels=10,
-            n_paths=64,
-        ),
+        partial(DEMO_LOADS, n_paths=64),
+        further=partial(drawn_further, rule=DEMO_LOADS),
         fixed=HalfSpace((23.0, -35.0), (0.0, 0.0, 0.0), "<", 30.0),
         loaded=Nearest((39.7, 8.8, 62.5), 60),
     ),
     # Loads as strong as the second published set's, on whatever the mesh lays open.
     "family": Preset(
         BRAIN_AND_TUMOUR,
-        partial(traction_paths, traction_pa=2200.0, n_levels=10, n_paths=6),
+        partial(FAMILY_LOADS, n_paths=6),
+        further=partial(drawn_further, rule=FAMILY_LOADS),
     ),
 }
 """The published datasets, the demonstration, and synthetic patients.

@@ -26,6 +26,7 @@ class Shape:
 
     def __init__(self, samples: np.ndarray, n_paths: int, node_step: int = 1) -> None:
         self._samples, self.n_paths, self._node_step = samples, n_paths, node_step
+        self.training_paths = 0
         self.mesh = type("Mesh", (), {"n_points": n_paths})
 
     def samples(self) -> np.ndarray:
@@ -134,3 +135,23 @@ def test_split_checks_itself() -> None:
     Split("mesh", a, b[:0], b[:0])
     with pytest.raises(InputError, match=r"shape \(n, 2\)"):
         Split("mine", a, b, np.array([1, 2]))
+
+
+@pytest.mark.parametrize("name", sorted(SPLITS))
+def test_paths_for_training_alone_change_nothing_that_is_held_out(name: str) -> None:
+    """Nodes 0, 1, … take turns, so that of eight further paths each has one."""
+    own, levels = 12, 3
+    alone = SPLITS[name](complete(own, levels))
+    longer = complete(own + 8, levels)
+    longer.training_paths = 8
+    if name == "node":
+        longer.load_path = lambda i: type("Path", (), {"nodes": np.array([i % own])})
+    split = SPLITS[name](longer)
+    assert rows(split.validation) == rows(alone.validation)
+    assert rows(split.test) == rows(alone.test)
+    added = [row for row in rows(split.train) if row[0] >= own]
+    assert [row for row in rows(split.train) if row[0] < own] == rows(alone.train)
+    held = {path for path, _ in rows(alone.validation) + rows(alone.test)}
+    wanted = [i for i in range(own, own + 8) if name != "node" or i % own not in held]
+    assert added == [(i, level) for i in wanted for level in range(levels)]
+    assert len(wanted) > 0 and (name != "node" or len(wanted) < 8)

@@ -256,3 +256,23 @@ def test_resume_opens_what_asks_the_same(new_store: NewStore) -> None:
             Store.resume(store.path, body, some, provenance={})
     other = store.path.with_name("other")
     assert len(Store.resume(other, asked, paths, provenance={}).pending()) == 5
+
+
+def test_paths_for_training_alone_are_of_the_definition(
+    new_store: NewStore, block: TetMesh, tmp_path: Path
+) -> None:
+    plain = new_store()
+    paths = [plain.load_path(i) for i in range(plain.n_paths)]
+    body = Body(block, MATERIALS)
+    marked = tmp_path / "marked.zarr"
+    store = Store.create(marked, body, paths, provenance={}, training_paths=2)
+    assert (plain.training_paths, store.training_paths) == (0, 2)
+    assert Store.open(marked).training_paths == 2
+    assert store.definition_hash != plain.definition_hash
+    with pytest.raises(InputError, match="made for another"):
+        Store.resume(marked, body, paths, provenance={})
+    record = json.loads((marked / "zarr.json").read_text())
+    record["attributes"]["training_paths"] = 0  # so that they would be held out
+    (marked / "zarr.json").write_text(json.dumps(record))
+    with pytest.raises(InputError, match="not as they were written"):
+        Store.open(marked)

@@ -12,6 +12,8 @@ from physgnn.mechanics.loads.sampling import (
     all_node_paths,
     by_position,
     cone_paths,
+    further_all_node_paths,
+    further_single_node_paths,
     inward_normals,
     single_node_paths,
     traction_paths,
@@ -140,3 +142,35 @@ def test_traction_paths_push_inward_with_the_traction_asked_for(
         np.testing.assert_allclose(size, size[0])
         assert size.sum() == pytest.approx(2e-3 * area)
         assert ((path.forces * inward).sum(axis=1) >= 0).all()
+
+
+def test_further_paths_are_of_the_same_kind_and_none_of_the_published(
+    block: TetMesh,
+) -> None:
+    top = block.point_set("loaded")[:11]
+    ordered = by_position(block, top)
+    normals = inward_normals(block, ordered)
+    single = {"force_n": 1.35, "n_levels": 30}
+    published = single_node_paths(block, top, **single)
+    further = further_single_node_paths(block, top, 30, **single)
+    assert [int(path.nodes[0]) for path in further] == [
+        ordered[i % 11] for i in range(30)
+    ]
+    drawn = np.concatenate([path.forces for path in further]) / 1.35
+    np.testing.assert_allclose(np.linalg.norm(drawn, axis=1), 1.0)
+    assert (np.abs(drawn[:, :2]) < 0.6).all()
+    assert ((np.abs(drawn[:, 2]) > 0.2) & (np.abs(drawn[:, 2]) < 0.9)).all()
+    assert (np.sign(drawn) * normals[np.arange(30) % 11] >= 0).all()
+    before = np.concatenate([path.forces for path in published]) / 1.35
+    assert np.linalg.norm(drawn[:, None] - before, axis=2).min() > 1e-6
+
+    every = {"total_force_n": 20.0, "n_levels": 30}
+    published = all_node_paths(block, top, n_paths=12, **every)
+    further = further_all_node_paths(block, top, 8, **every)
+    forces = np.stack([path.forces for path in further])
+    np.testing.assert_allclose(np.linalg.norm(forces, axis=2), 20.0 / 11)
+    assert (forces[..., 2] * normals[:, 2] >= 0).all()
+    before = np.stack([path.forces for path in published])
+    assert np.linalg.norm(forces[:, None] - before, axis=(2, 3)).min() > 1.0
+    again = further_all_node_paths(block, top, 8, **every)
+    np.testing.assert_array_equal(forces, np.stack([p.forces for p in again]))

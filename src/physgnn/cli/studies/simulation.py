@@ -37,6 +37,14 @@ def simulate(
     ],
     preset: PresetOption = None,
     loads: LoadsOption = None,
+    training_paths: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            help="Add so many load paths of the same kind, of another draw, that every "
+            "split trains on and none holds out.",
+        ),
+    ] = 0,
     workers: Annotated[
         int | None,
         typer.Option(
@@ -66,6 +74,7 @@ def simulate(
             out,
             preset=preset,
             loads=loads,
+            training_paths=training_paths,
             workers=workers,
             scheduler=scheduler,
             solver=solver,

@@ -1,5 +1,7 @@
 """Which samples train, validate and test a network: the published way, and honest ways.
 
+Load paths of a dataset that are for training alone are never held out.
+
 Neighbouring levels of one load path are almost the same sample, so a split that mixes
 them measures interpolation (docs/results/leaking_split.md). `split_path` holds out
 whole paths and `split_node` whole sets of loaded nodes: of the published datasets only
@@ -77,11 +79,12 @@ def split_published(store: Store, seed: int = 1) -> Split:
     Split
         Samples for training, validation and testing: rows of (path, level).
     """
-    samples = store.samples()
+    samples, further = _own_and_further(store)
     order = list(range(len(samples)))
     random.Random(seed).shuffle(order)
     ends = np.floor(np.array([TRAIN, TRAIN + VALIDATION]) * len(order) + 1e-9)
-    return Split("published", *np.split(samples[order], ends.astype(int)))
+    train, *others = np.split(samples[order], ends.astype(int))
+    return Split("published", np.concatenate([train, further]), *others)
 
 
 def split_path(store: Store, seed: int = 0) -> Split:
@@ -163,8 +166,11 @@ def named_split(name: str, store: Store) -> Split:
 
 
 def _split_groups(name: str, store: Store, group: IntArray, seed: int) -> Split:
-    """Cut a shuffle of the groups of paths that have samples."""
-    samples = store.samples()
+    """Cut a shuffle of the groups of paths that have samples.
+
+    Paths for training alone are of the training part, unless their group is held out.
+    """
+    samples, further = _own_and_further(store)
     present = np.unique(group[samples[:, 0]])
     n = len(present)
     if n < 3:
@@ -178,4 +184,13 @@ def _split_groups(name: str, store: Store, group: IntArray, seed: int) -> Split:
     n_validation = max(round(VALIDATION * n), 1)
     cut = [n - n_test - n_validation, n - n_test]
     parts = np.split(present, cut)
-    return Split(name, *(samples[np.isin(group[samples[:, 0]], p)] for p in parts))
+    train, *others = (samples[np.isin(group[samples[:, 0]], p)] for p in parts)
+    held_out = np.isin(group[further[:, 0]], np.concatenate(parts[1:]))
+    return Split(name, np.concatenate([train, further[~held_out]]), *others)
+
+
+def _own_and_further(store: Store) -> tuple[IntArray, IntArray]:
+    """Return the samples that may be held out, and those for training alone."""
+    samples = store.samples()
+    own = samples[:, 0] < store.n_paths - store.training_paths
+    return samples[own], samples[~own]

@@ -11,7 +11,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    NonNegativeInt,
+    PositiveInt,
+    ValidationError,
+)
 
 from physgnn.errors import InputError
 from physgnn.io.integrity.digest import digest_of, without_digest
@@ -38,6 +45,7 @@ class Attributes(BaseModel):
 
     version: int
     n_paths: PositiveInt
+    training_paths: NonNegativeInt = 0
     n_points: PositiveInt
     mesh_hash: str
     definition_hash: str

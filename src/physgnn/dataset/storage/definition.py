@@ -33,6 +33,8 @@ class Definition:
         What is loaded; materials of regions that its mesh lacks are left out.
     paths : sequence of LoadPath
         One or more, all with the same load factors.
+    training_paths : int
+        So many of them, the last, are for training alone.
 
     Raises
     ------
@@ -42,6 +44,7 @@ class Definition:
 
     body: Body
     paths: Sequence[LoadPath]
+    training_paths: int = 0
 
     def __post_init__(self) -> None:
         _check_paths(self.body, self.paths)
@@ -54,6 +57,8 @@ class Definition:
         beyond: list[Any] = [self.body.element, of_path, *loads]
         if self.body.element == DEFAULT_ELEMENT and not loads:
             beyond = []  # as for stores made before there was any of it
+        if self.training_paths:
+            beyond.append(self.training_paths)
         return digest_of(
             self.body.mesh.content_hash,
             _records(self.body),
@@ -80,6 +85,7 @@ class Definition:
             "format": FORMAT,
             "version": VERSION,
             "n_paths": len(self.paths),
+            "training_paths": self.training_paths,
             "n_points": self.body.mesh.n_points,
             "mesh_hash": self.body.mesh.content_hash,
             "point_sets": sorted(self.body.mesh.point_sets),

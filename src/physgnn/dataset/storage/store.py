@@ -58,6 +58,7 @@ class Store:
         self.load_factors.flags.writeable = False
         self.n_levels = len(self.load_factors)
         self.n_paths = self._attributes.n_paths
+        self.training_paths = self._attributes.training_paths
         self._results = StoredResults(self.reader, self.n_levels, cache_bytes)
 
     @classmethod
@@ -79,6 +80,7 @@ class Store:
         paths: Sequence[LoadPath],
         *,
         provenance: Mapping[str, Any],
+        training_paths: int = 0,
     ) -> Self:
         """Make a store in which every path is pending.
 
@@ -93,6 +95,8 @@ class Store:
             All with the same load factors.
         provenance : mapping
             Anything JSON can hold: how the dataset came about.
+        training_paths : int
+            So many paths, the last, are for training alone: splits hold none out.
 
         Raises
         ------
@@ -103,7 +107,7 @@ class Store:
         target = Path(path)
         if target.exists():
             raise InputError(f"{target} exists already: open it, or name another")
-        definition = Definition(body, paths)
+        definition = Definition(body, paths, training_paths)
         with whole_folder(target) as part:
             definition.write(part, provenance)
         return cls(target)
@@ -116,6 +120,7 @@ class Store:
         paths: Sequence[LoadPath],
         *,
         provenance: Mapping[str, Any],
+        training_paths: int = 0,
     ) -> Self:
         """Open the store if there is one of just these problems, or make it.
 
@@ -126,11 +131,18 @@ class Store:
         InputError
             If the folder holds something else, or a store of other problems.
         """
+        definition = Definition(body, paths, training_paths)
         if not Path(path).exists():
-            return cls.create(path, body, paths, provenance=provenance)
+            return cls.create(
+                path,
+                body,
+                paths,
+                provenance=provenance,
+                training_paths=training_paths,
+            )
         store = cls.open(path)
         clear_partial_chunks(store.path)
-        if store.definition_hash != Definition(body, paths).digest:
+        if store.definition_hash != definition.digest:
             raise InputError(
                 f"store {path} was made for another mesh, load, material or element: "
                 "name another, or delete it"

@@ -11,6 +11,7 @@ from physgnn.mechanics.loads.paths import LoadPath
 
 MATLAB_SEED = 5489  # the Mersenne Twister seed behind MATLAB's "seed 0"
 PUBLISHED_DIRECTIONS = 15
+FURTHER_SEED = 1_000_003  # of paths drawn beyond those of a dataset; added to its seed
 # Rows of the published draw whose forces inverted elements, and the rows of a second
 # draw that took their place.
 REPLACED = (42, 44, 46, 48, 49, 53, 54, 55, 66, 90)
@@ -56,10 +57,7 @@ def single_node_paths(
     nodes = by_position(mesh, loaded)
     others = PUBLISHED_DIRECTIONS - 1
     random = np.random.RandomState(MATLAB_SEED)
-    drawn = uniform_directions(random, 924)
-    x, y, z = np.abs(drawn).T
-    oblique = (x < 0.6) & (y < 0.6) & (z > 0.2) & (z < 0.9)
-    directions = drawn[oblique][: 11 * others]
+    directions = _oblique(uniform_directions(random, 924))[: 11 * others]
     directions[list(REPLACED)] = uniform_directions(random, 154)[list(REPLACED_BY)]
     if len(nodes) * others > len(directions):
         raise InputError(f"this rule loads at most 11 nodes (got {len(nodes)})")
@@ -73,6 +71,42 @@ def single_node_paths(
         for node, of_node in zip(nodes, directions, strict=True)
         for direction in of_node
     ]
+
+
+def further_single_node_paths(
+    mesh: TetMesh, loaded: IntArray, n_paths: int, *, force_n: float, n_levels: int
+) -> list[LoadPath]:
+    """Return further paths like those of dataset 1, none of which is among them.
+
+    The nodes take turns; directions are drawn as in `single_node_paths`.
+
+    Parameters
+    ----------
+    mesh, loaded, force_n, n_levels
+        As of `single_node_paths`.
+    n_paths : int
+        How many.
+    """
+    nodes = by_position(mesh, loaded)
+    normals, factors = inward_normals(mesh, nodes), equal_levels(n_levels)
+    random = np.random.RandomState(FURTHER_SEED)
+    drawn = np.empty((0, 3))
+    while len(drawn) < n_paths:
+        more = _oblique(uniform_directions(random, 8 * n_paths))
+        drawn = np.concatenate([drawn, more])
+    turns = np.arange(n_paths) % len(nodes)
+    directions = np.copysign(drawn[:n_paths], normals[turns])
+    return [
+        LoadPath(nodes[turn, None], force_n * direction[None], factors)
+        for turn, direction in zip(turns, directions, strict=True)
+    ]
+
+
+def _oblique(drawn: FloatArray) -> FloatArray:
+    """Return the directions that the published set takes, of those drawn."""
+    x, y, z = np.abs(drawn).T
+    kept: FloatArray = drawn[(x < 0.6) & (y < 0.6) & (z > 0.2) & (z < 0.9)]
+    return kept
 
 
 def all_node_paths(
@@ -102,15 +136,41 @@ def all_node_paths(
         How many; the published set has 165.
     """
     nodes = by_position(mesh, loaded)
-    random = np.random.RandomState(MATLAB_SEED)
-    drawn = uniform_directions(random, len(nodes) * (n_paths - 1))
-    drawn = drawn.reshape(len(nodes), n_paths - 1, 3)
     normals = inward_normals(mesh, nodes)
+    drawn = _each_its_own(normals, n_paths - 1, MATLAB_SEED)
+    forces = total_force_n / len(nodes) * np.concatenate([normals[None], drawn])
+    return [LoadPath(nodes, force, equal_levels(n_levels)) for force in forces]
+
+
+def further_all_node_paths(
+    mesh: TetMesh,
+    loaded: IntArray,
+    n_paths: int,
+    *,
+    total_force_n: float,
+    n_levels: int,
+) -> list[LoadPath]:
+    """Return further paths like those of dataset 2, none of which is among them.
+
+    Parameters
+    ----------
+    mesh, loaded, n_paths, total_force_n, n_levels
+        As of `all_node_paths`; every path has a draw.
+    """
+    nodes = by_position(mesh, loaded)
+    drawn = _each_its_own(inward_normals(mesh, nodes), n_paths, FURTHER_SEED)
+    forces = total_force_n / len(nodes) * drawn
+    return [LoadPath(nodes, force, equal_levels(n_levels)) for force in forces]
+
+
+def _each_its_own(normals: FloatArray, n_paths: int, seed: int) -> FloatArray:
+    """Return a direction for every node on every path, (n_paths, n_nodes, 3)."""
+    random = np.random.RandomState(seed)
+    drawn = uniform_directions(random, len(normals) * n_paths)
+    drawn = drawn.reshape(len(normals), n_paths, 3)
     drawn[:, :, 2] = np.copysign(drawn[:, :, 2], normals[:, None, 2])
-    directions = np.concatenate([normals[:, None], drawn], axis=1)
-    forces = total_force_n / len(nodes) * directions.transpose(1, 0, 2)
-    factors = equal_levels(n_levels)
-    return [LoadPath(nodes, force, factors) for force in forces]
+    directions: FloatArray = drawn.transpose(1, 0, 2)
+    return directions
 
 
 def cone_paths(

@@ -31,6 +31,7 @@ def simulate(
     *,
     preset: str | None = None,
     loads: str | Path | None = None,
+    training_paths: int = 0,
     workers: int | None = None,
     scheduler: str | None = None,
     solver: str = DEFAULT_SOLVER,
@@ -49,6 +50,9 @@ def simulate(
         A row of ``PRESETS``; or else `loads`.
     loads : path, optional
         TOML with point sets, materials and loads: see `physgnn.config.simulation`.
+    training_paths : int
+        So many further load paths of the same kind, of another draw: every split trains
+        on them, and none holds them out.
     workers : int, optional
         Processes on this machine; by default as many as it has processors. A script
         that asks for more than one calls this under ``if __name__ == "__main__"``.
@@ -77,6 +81,7 @@ def simulate(
         read_mesh(case, log=log),
         chosen,
         out,
+        training_paths=training_paths,
         solver=solver,
         workers=processes(workers),
         scheduler=scheduler,
@@ -95,6 +100,7 @@ def simulate_mesh(
     preset: str | Preset,
     store: str | Path,
     *,
+    training_paths: int = 0,
     solver: str = DEFAULT_SOLVER,
     workers: int = 1,
     scheduler: str | None = None,
@@ -114,6 +120,8 @@ def simulate_mesh(
         A row of ``PRESETS``, or a preset of the user's own.
     store : path
         Where the dataset is or is to be.
+    training_paths : int
+        So many further paths, for training alone.
     solver : str
         A row of ``SOLVERS``.
     workers, scheduler, progress
@@ -133,7 +141,7 @@ def simulate_mesh(
     name = preset if isinstance(preset, str) else "custom"
     if isinstance(preset, str):
         preset = find_preset(preset)
-    mesh, paths = preset.on(mesh)
+    mesh, paths = preset.on(mesh, training_paths)
     if solver == "febio":
         check_febio(preset.element, paths)
     opened = Store.resume(
@@ -146,6 +154,7 @@ def simulate_mesh(
             "physgnn": release("physgnn"),
             **(source or {}),
         },
+        training_paths=training_paths,
     )
     before = opened.provenance.get("solver", DEFAULT_SOLVER)
     if before != solver:
