@@ -18,7 +18,8 @@ from block_shifts import (
 from scipy.spatial.transform import Rotation
 
 from physgnn.errors import InputError
-from physgnn.geometry.measured import BonePoints, PointPairs
+from physgnn.geometry.boundary import boundary_faces
+from physgnn.geometry.measured import BonePoints, PointPairs, WholeSurface
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
 from physgnn.prediction import PredictionStatus
@@ -143,7 +144,8 @@ def test_bone_points_that_cannot_tell_or_do_not_agree_are_a_status(
     pairs = measured(body, true_shift(body, 0, 8.0), 0)
     line = RIM[0] + np.linspace(0, 1, 3)[:, None] * [0.0, 60.0, 0.0]
     for few in (line, RIM[:2]):
-        found = registrar([pairs, BonePoints(few, few)], noise_mm=NOISES).prediction
+        two_ends = BonePoints(few, few + 0.01)
+        found = registrar([pairs, two_ends], noise_mm=NOISES).prediction
         assert found.status == PredictionStatus.TOO_FEW_BONE_POINTS
     stretched = 1.1 * (RIM - 50.0) + 50.0
     found = registrar([pairs, BonePoints(RIM, stretched)], noise_mm=NOISES).prediction
@@ -170,6 +172,11 @@ BAD: dict[str, tuple[Callable[[], list[BonePoints]], str]] = {
     "far": (lambda: [BonePoints(RIM + 500.0, RIM + 500.0)], "within 200 mm"),
     "of another space": (lambda: [BonePoints(RIM, RIM + 60.0)], "--initial-transform"),
     "twice": (lambda: [bone(0), bone(1)], "as one"),
+    "never measured": (lambda: [BonePoints(RIM, RIM)], "measured .* are the same"),
+    "paired in another order": (
+        lambda: [BonePoints(RIM, np.roll(RIM, 1, axis=0))],
+        "order or labels",
+    ),
 }
 
 
@@ -243,3 +250,36 @@ def test_bone_that_could_be_of_other_axes_leaves_the_navigation_to_the_user(
         assert "LPS" in found.prediction.reasons[0]
     else:
         assert status == PredictionStatus.OK
+
+
+def test_bone_in_a_file_that_states_its_axes_is_no_riddle(body: TetMesh) -> None:
+    middle = np.array([SIDE / 2, SIDE / 2, 0.0])
+    centred = Body(replace(body, points=body.points - middle), MATERIALS)
+    off = np.array([8.0, 0.0, 0.0])
+    pairs = measured(body, true_shift(body, 0, 8.0), 0)
+    seen = PointPairs(pairs.source - middle, pairs.target + off - middle)
+    told = bone(0, (8.0, 0.0, 0.0))
+    known = BonePoints(told.source - middle, told.target - middle, axes_known=True)
+    found = Registrar(centred)([seen, known], noise_mm=NOISES)
+    assert found.prediction.status == PredictionStatus.OK
+
+
+def test_a_whole_surface_contradicts_bone_whose_ends_are_exchanged(
+    body: TetMesh, registrar: Registrar
+) -> None:
+    u = true_shift(body, 0, 8.0)
+    faces = boundary_faces(body)
+    used, of_used = np.unique(faces, return_inverse=True)
+    noise = NOISE * np.random.default_rng(0).normal(size=(len(used), 3))
+    off = np.array([6.0, 0.0, 0.0])
+    whole = WholeSurface(
+        (body.points + u)[used] + noise + off, of_used.reshape(faces.shape)
+    )
+    good = bone(0, (6.0, 0.0, 0.0))
+    noises = {**NOISES, "whole surface": NOISE}
+    assert registrar([whole, good], noise_mm=noises).prediction.status.usable
+    exchanged = BonePoints(good.target, good.source)
+    found = registrar([whole, exchanged], noise_mm=noises)
+    assert found.prediction.status == PredictionStatus.BONE_MISFIT
+    assert found.bone is not None and found.bone.contradicted_mm > 3.0
+    assert any("exchanged" in reason for reason in found.prediction.reasons)

@@ -71,11 +71,21 @@ class Landmarks(PointPairs):
     fewest: ClassVar[int] = 1
 
 
+@dataclass(frozen=True, eq=False)
 class BonePoints(PointPairs):
     """Pairs of points that cannot move with a brain: on the skull, or fixed to it.
 
     Where they are in the scan, and where the navigation finds them now.
+
+    Parameters
+    ----------
+    source, target, labels, left_out
+        As of `PointPairs`.
+    axes_known : bool
+        Whether it is known that they are in RAS, as where a file states its axes.
     """
+
+    axes_known: bool = False
 
     fewest: ClassVar[int] = 1
 

@@ -229,7 +229,7 @@ def _offset_of_navigation(evidence: Evidence) -> Iterator[str]:
         yield (
             f"a rigid offset of the navigation of {offset.length_mm:.1f} mm and "
             f"{offset.turn_deg:.1f} degrees explains the measurement better than loads "
-            "alone"
+            "alone: give --bone, or --rigid-offset"
         )
 
 

@@ -105,6 +105,9 @@ class BoneFit:
     other_axes_mm : float
         How far apart the offset is from what it would be if the points were of LPS,
         where such points could be of bone, too; 0 where they could not.
+    contradicted_mm : float
+        How far from where the bone puts the navigation the brain does, where that is
+        more than noise lets expect; else 0.
     """
 
     n_points: int
@@ -114,6 +117,7 @@ class BoneFit:
     outlier_share: float
     off_brain_mm: float = float("inf")
     other_axes_mm: float = 0.0
+    contradicted_mm: float = 0.0
 
     def __str__(self) -> str:
         if not self.n_points:
@@ -153,6 +157,12 @@ class BoneFit:
             yield (
                 f"half of the bone points lie within {self.off_brain_mm:.1f} mm of the "
                 "brain's surface: points of the cortex are no bone"
+            )
+        if self.contradicted_mm:
+            yield (
+                "what was measured of the brain puts the navigation "
+                f"{self.contradicted_mm:.1f} mm from where the bone does, more than "
+                "their noise lets expect: are the bone's ends, or its axes, exchanged?"
             )
 
 
@@ -220,5 +230,5 @@ class MeasurementFit:
             yield (
                 "the bone points could be in LPS as well, and the navigation is "
                 f"{self.bone.other_axes_mm:.1f} mm elsewhere then: check that they are "
-                "in RAS"
+                "in RAS, or give them as .fcsv or .mrk.json, which say so"
             )

@@ -65,9 +65,9 @@ class PredictionStatus(IntEnum):
 _REMEDY = {
     PredictionStatus.OK: "the prediction can be used with its error estimate",
     PredictionStatus.OK_IF_NAVIGATION_IS_RIGHT: (
-        "it can be used with its error estimate once you have checked the navigation: "
-        "one that is off into the brain looks like a brain that sank; give points of "
-        "the bone (--bone), in RAS, to have it checked"
+        "it can be used with its error estimate once you have checked the navigation, "
+        "or points of the bone (--bone) known to be in RAS have: one that is off into "
+        "the brain looks like a brain that sank"
     ),
     PredictionStatus.REPAIRED: (
         "the estimate was above the tolerance, so the prediction was taken to "

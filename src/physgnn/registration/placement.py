@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import chdtrc
 
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
-from physgnn.prediction.measured_evidence import BoneFit, RigidOffset
+from physgnn.prediction.measured_evidence import LEAST_CHANCE, BoneFit, RigidOffset
 from physgnn.registration.fit import bone_fit_of
 from physgnn.registration.inference.bone_offset import BoneOffset, offset_from_bone
 from physgnn.registration.inference.bounds import Alternative
@@ -30,6 +31,7 @@ from physgnn.registration.measurements.kinds import (
     parted,
 )
 from physgnn.registration.measurements.observation import Measurement
+from physgnn.registration.measurements.surfaces import MeasuredWholeSurface
 from physgnn.registration.misfits import Misfit, misfits_of
 
 
@@ -88,6 +90,16 @@ class Placed:
         centre = middle_of(self.measured)
         return self.told.reported(search.fit.posterior, centre), search.alone()
 
+    def bone_with(self, search: Search) -> BoneFit | None:
+        """Return the same once a search has ended, which may contradict the bone."""
+        if self.bone is None or self.prior is None:
+            return None
+        left = search.fit.posterior.mean[-6:]  # as many standard deviations
+        if chdtrc(len(left), float(left @ left)) >= LEAST_CHANCE:
+            return self.bone
+        away = (self.prior.axes @ left)[:3]
+        return replace(self.bone, contradicted_mm=float(np.linalg.norm(away)))
+
     def misfits(self, search: Search) -> tuple[Misfit, ...]:
         """Return how far every place is off, those of the bone at the end."""
         fit, told = search.fit, self.told
@@ -133,7 +145,11 @@ def placed(
     told = offset_from_bone(bone, noises_of([KIND], noise_mm)[0])
     measured = measurements_of(body, [moved(one, told.motion.undone) for one in brain])
     middle = middle_of(measured)
-    in_lps = can_be_in_lps(body.mesh, bone)
+    # A whole surface tells the offset, and so contradicts bone of other axes.
+    unclear = not bone.axes_known and MeasuredWholeSurface.kind not in [
+        one.kind for one in measured
+    ]
+    in_lps = unclear and can_be_in_lps(body.mesh, bone)
     fit = replace(
         bone_fit_of(told),
         off_brain_mm=off_brain(body.mesh, bone),

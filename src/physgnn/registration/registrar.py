@@ -159,7 +159,8 @@ class Registrar:
         lengths = error_lengths(alternatives, search.response, seed)
         factors = factors_of(there.kinds, skull=self.skull, corrected=there.corrected)
         estimate = estimate_of(lengths, coverage, factors)
-        known = fit_of(there.measured, rows, fit, offset, there.bone)
+        bone = there.bone_with(search)
+        known = fit_of(there.measured, rows, fit, offset, bone)
         verdict = self._verdict(search, estimate, known, whole)
         deviation = factors.of_mean * lengths.deviation_mm
         covariance = point_covariance(
@@ -181,7 +182,7 @@ class Registrar:
             ),
             misfits=there.misfits(search),
             offset=offset,
-            bone=there.bone,
+            bone=bone,
             left_out=there.left_out,
         )
 

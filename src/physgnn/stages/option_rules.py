@@ -51,9 +51,9 @@ RULES: Mapping[str, Mapping[str, OptionRule]] = {
     "segment": {"tumour_labels": OptionRule(("tumour",))},
     "predict": {"affine": OptionRule(("image",))},
     "register": {
-        "target": OptionRule(("points", "series")),
-        "landmarks_target": OptionRule(("landmarks", "series")),
-        "bone_target": OptionRule(("bone", "series")),
+        "target": OptionRule(("points",)),
+        "landmarks_target": OptionRule(("landmarks",)),
+        "bone_target": OptionRule(("bone",)),
         "rigid_offset": OptionRule(useless_with=("bone",)),
         "transformed": OptionRule(("initial_transform", "series")),
         "landmark_noise_mm": OptionRule(("landmarks", "series")),

@@ -88,6 +88,14 @@ def read_point_pairs(
         return kind(source, moved, tuple(names), tuple(left_out))
 
 
+def states_axes(path: str | Path) -> bool:
+    """Return whether files like this one say which axes their points are in.
+
+    A table does not, the other formats do, or have axes of their own.
+    """
+    return not str(path).lower().endswith(".csv")
+
+
 def read_points(path: str | Path, *, log: Log = no_log) -> FloatArray:
     """Read one list of points, (n, 3), RAS+ mm.
 

@@ -20,6 +20,8 @@ FARTHEST_MM = 200.0
 LARGEST_OFFSET_MM = 50.0
 # Half of the points of a skull are nearer to the brain than this, but for a face alone.
 SKULL_MM = 40.0
+# No pointer finds every coordinate of all points as exactly as this again.
+MEASURED_MM = 1e-6
 KIND = "bone"
 LPS = np.array([-1.0, -1.0, 1.0])  # times RAS, and the other way round
 
@@ -37,20 +39,26 @@ def check_bone(mesh: TetMesh, bone: BonePoints) -> None:
     Raises
     ------
     InputError
-        If they are in another unit than the brain, inside of it or too far from it, or
-        the two ends of half of the pairs are more than 50 mm apart.
+        If they are in another unit than the brain, inside of it or too far from it, the
+        two ends of half of the pairs are more than 50 mm apart, or all are the same.
     """
     surface = mesh.points[boundary_points(mesh)]
     check_same_units(bone.source, surface, "bone points")
     check_same_units(bone.target, surface, "bone points, as the navigation finds them")
     _check_places(mesh, bone)
+    if np.abs(bone.displacement).max() < MEASURED_MM:
+        raise InputError(
+            "bone points must be measured where the navigation finds them now (both "
+            "ends of all of them are the same): give what was measured as the second "
+            "ends, or leave --bone out"
+        )
     apart = float(np.median(np.linalg.norm(bone.displacement, axis=1)))
     if apart > LARGEST_OFFSET_MM:
         raise InputError(
             "bone points must be found near to where the scan has them (half of "
             f"them are {apart:.0f} mm or more away, at most "
-            f"{LARGEST_OFFSET_MM:g} mm): check axes (RAS), units (mm) and "
-            "--initial-transform"
+            f"{LARGEST_OFFSET_MM:g} mm): check the order or labels of the two ends, "
+            "axes (RAS), units (mm) and --initial-transform"
         )
 
 
@@ -78,7 +86,8 @@ def _check_places(mesh: TetMesh, bone: BonePoints) -> None:
     if places.possible:
         return
     for unit, mm in units_by_extent(bone.source, mesh.points).items():
-        if _BonePlaces.of(mesh, bone.source * mm).possible:
+        meant = _BonePlaces.of(mesh, bone.source * mm)
+        if meant.possible and meant.off_mm <= SKULL_MM:
             raise InputError(
                 "bone points must be in mm, outside of the brain (as they are they lie "
                 f"{_extents(places, bone)}, which looks like {unit}): multiply them by "

@@ -21,6 +21,7 @@ Figures = dict[str, Any]
 STATUS, REASONS = "status", "reasons"
 OF_STATE = (
     STATUS, "largest_mm", "bound_mean_mm", "bound_max_mm", "misfit_mm", "held_out_mm",
+    "offset_mm", "bone",
 )  # fmt: skip
 NOT_OK = "not ok"  # a figure: True if a displacement must not be relied on
 
@@ -117,6 +118,8 @@ def _of_registration(
         **_of_prediction(made.prediction),
         "misfit_mm": round(float(made.misfit_mm), 4),
         "held_out_mm": round(float(made.held_out_mm), 4),
+        "offset_mm": round(made.offset.length_mm, 4),
+        "bone": "" if made.bone is None else str(made.bone),
     }
 
 

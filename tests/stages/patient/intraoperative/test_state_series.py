@@ -142,6 +142,7 @@ def test_a_failed_state_is_named_and_the_rest_goes_on(theatre: Path) -> None:
         ("time,target\nsoon,half.csv\n", "time must be a number (got 'soon')"),
         ("name,target\na,half.csv,more\n", "3 cells under 2 columns"),
         ("name,target\n", "a line for each state"),
+        ("name,surface\na,half.csv\n", "'a' has no points of its own"),
     ],
 )
 def test_a_bad_table_is_one_line_and_nothing_is_written(
@@ -168,3 +169,19 @@ def test_a_registrar_of_another_mesh_is_refused(theatre: Path) -> None:
 def test_what_is_of_one_state_is_refused_of_a_series(theatre: Path) -> None:
     with pytest.raises(InputError, match="--misfits is for one state"):
         run(theatre, misfits=theatre / "m.csv")
+
+
+@pytest.mark.parametrize("role", ["surface", "whole_surface", "target", "bone_target"])
+def test_what_was_measured_once_is_not_taken_for_every_state(
+    theatre: Path, role: str
+) -> None:
+    with pytest.raises(InputError, match=f"measured anew.*column '{role}'"):
+        run(theatre, **{role: theatre / "half.csv"})
+    assert not (theatre / "out").exists()
+
+
+def test_bone_that_was_measured_once_vouches_for_no_later_state(theatre: Path) -> None:
+    before, after = sunk(read_mesh(theatre / "case.vtu"), 2.0)
+    np.savetxt(theatre / "bone.csv", np.hstack([before, after]), delimiter=",")
+    with pytest.raises(InputError, match="line 2: 'opened' has no bone of its own"):
+        run(theatre, bone=theatre / "bone.csv")

@@ -17,7 +17,7 @@ from physgnn.geometry.measured import (
 )
 from physgnn.geometry.surface import Surface
 from physgnn.io.medical.linear_transforms import read_rigid_transform, transformed
-from physgnn.io.medical.markups import read_point_pairs
+from physgnn.io.medical.markups import read_point_pairs, states_axes
 from physgnn.io.medical.measured_surface import read_surface_points
 from physgnn.io.surfaces.formats import read_surface
 from physgnn.progress import Log, no_log
@@ -126,7 +126,8 @@ def read_measured(
         raise InputError(NOTHING)
     ends = files.bone, files.bone_target
     if (pairs := _pairs("bone", *ends, log, BonePoints)) is not None:
-        found.append(BonePoints(*_ends(pairs, matrix, both)))
+        known = all(states_axes(end) for end in ends if end is not None)
+        found.append(BonePoints(*_ends(pairs, matrix, both), axes_known=known))
         if files.initial_transform is not None and both:
             log(
                 "--initial-transform took both ends of the bone points to the scan: "

@@ -12,6 +12,8 @@ from physgnn.stages.patient.intraoperative.measured_files import BESIDES, Measur
 NAME, TIME = "name", "time"
 ENDS = {"points": "target", "landmarks": "landmarks_target", "bone": "bone_target"}
 """Points before the shift, and those after it where they are a file of their own."""
+OF_ONE_STATE = (*ENDS.values(), "surface", "whole_surface", "intraoperative")
+"""What is measured anew in every state."""
 FILES = tuple(field.name for field in fields(MeasuredFiles))
 
 
@@ -51,6 +53,12 @@ def read_states(path: str | Path, common: MeasuredFiles) -> list[StateRow]:
         If it is no such table, states are out of order, two have one name, a file is
         not there, or a state has nothing measured; with the line.
     """
+    for role in OF_ONE_STATE:
+        if role in common.paths:
+            raise InputError(
+                f"--{role.replace('_', '-')} is measured anew in every state of a "
+                f"series: name it in a column '{role}' of {Path(path).name}"
+            )
     with reading(path, "a table of states"):
         rows = csv_rows(read_text(path))
         if len(rows) < 2:
@@ -114,6 +122,12 @@ def _state(
             raise InputError(
                 f"line {line}: '{name}' has {after}, and no {before} to pair with it: "
                 "name that too"
+            )
+        if before in files.paths and not {before, after} & set(own):
+            raise InputError(
+                f"line {line}: '{name}' has no {before} of its own: what the command "
+                f"line names is where they were before, so name {after} here, or "
+                f"{before} with both ends"
             )
     if not set(files.paths) - BESIDES:
         raise InputError(
