@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from physgnn.errors import InputError
 from physgnn.geometry import TetMesh
 from physgnn.io import read_mesh, write_mesh, write_prediction
+from physgnn.io.vtk.vtu import add_notes
 
 
 def assert_same(one: TetMesh, other: TetMesh) -> None:
@@ -126,3 +127,14 @@ def test_cells_of_another_kind_and_missing_regions(
     grid.save(tmp_path / "inverted.vtu")
     with pytest.raises(InputError, match=r"inverted\.vtu: cells must have positive"):
         read_mesh(tmp_path / "inverted.vtu")
+
+
+def test_notes_of_any_alphabet_are_written(tmp_path: Path, block: TetMesh) -> None:
+    """A reason with a degree sign, or a user's label, once ended in an error."""
+    grid = pv.PolyData(block.points)
+    add_notes(grid, {"reasons": ["20° off", "Schädel: 脳", "plain"], "none": []})
+    grid.save(tmp_path / "notes.vtp")
+    back = pv.read(tmp_path / "notes.vtp").field_data
+    kept = [line.encode().decode("unicode_escape") for line in back["reasons"]]
+    assert kept == ["20° off", "Schädel: 脳", "plain"]
+    assert "none" not in back

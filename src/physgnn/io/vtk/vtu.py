@@ -108,10 +108,16 @@ def write_prediction(
 
 
 def add_notes(data: "pv.DataSet", notes: Mapping[str, Sequence[str]] | None) -> None:
-    """Put lines of text into field data; a name without lines is left out."""
+    """Put lines of text into field data; a name without lines is left out.
+
+    VTK takes ASCII alone: other characters, such as those of a user's labels, are
+    written as escapes.
+    """
     for name, lines in (notes or {}).items():
         if lines:
-            data.field_data[name] = list(lines)
+            data.field_data[name] = [
+                line.encode("ascii", "backslashreplace").decode() for line in lines
+            ]
 
 
 def read_mesh(path: str | Path, *, log: Log = no_log) -> TetMesh:

@@ -96,8 +96,8 @@ class TrainedRange:
             ),
             (
                 cosine < self.smallest_cosine - SLACK,
-                f"the resultant is {_degrees(cosine):.0f}° from the trained axis "
-                f"(trained up to {_degrees(self.smallest_cosine):.0f}°)",
+                f"the resultant is {_degrees(cosine):.0f} degrees from the trained "
+                f"axis (trained up to {_degrees(self.smallest_cosine):.0f})",
             ),
         )
         return [text for is_outside, text in reasons if is_outside]
