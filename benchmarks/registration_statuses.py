@@ -37,6 +37,7 @@ from physgnn.geometry.measured import (
     WholeSurface,
 )
 from physgnn.prediction import PredictionStatus
+from physgnn.registration.measurements.bone import LPS
 from tables import machine, table
 
 KINDS = ("pairs", "surface", "whole surface")
@@ -46,7 +47,6 @@ Given = Measured | list[Measured | BonePoints]
 USUAL = 40  # pairs, of the 50 there are
 LINE_MM = 20.0  # of bone points in one
 OFF_HEAD_MM = 3.0  # at least, from the brain to bone that was given in LPS
-LPS = np.array([-1.0, -1.0, 1.0])
 STRAY_MM = 15.0  # each coordinate of a bad point
 
 

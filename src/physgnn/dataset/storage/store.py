@@ -131,7 +131,6 @@ class Store:
         InputError
             If the folder holds something else, or a store of other problems.
         """
-        definition = Definition(body, paths, training_paths)
         if not Path(path).exists():
             return cls.create(
                 path,
@@ -142,7 +141,7 @@ class Store:
             )
         store = cls.open(path)
         clear_partial_chunks(store.path)
-        if store.definition_hash != definition.digest:
+        if store.definition_hash != Definition(body, paths, training_paths).digest:
             raise InputError(
                 f"store {path} was made for another mesh, load, material or element: "
                 "name another, or delete it"

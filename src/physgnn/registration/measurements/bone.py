@@ -11,6 +11,7 @@ from physgnn.geometry.boundary import boundary_faces, boundary_points
 from physgnn.geometry.measured import BonePoints
 from physgnn.geometry.plausibility import check_same_units, units_by_extent
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.imaging.transforms import RAS_TO_LPS
 from physgnn.prediction.measured_evidence import LEAST_OFF_BRAIN_MM
 from physgnn.registration.measurements.places import SNAP_MM, nearest_places
 
@@ -23,7 +24,7 @@ SKULL_MM = 40.0
 # No pointer finds every coordinate of all points as exactly as this again.
 MEASURED_MM = 1e-6
 KIND = "bone"
-LPS = np.array([-1.0, -1.0, 1.0])  # times RAS, and the other way round
+LPS = RAS_TO_LPS.diagonal()  # times RAS, and the other way round
 
 
 def check_bone(mesh: TetMesh, bone: BonePoints) -> None:
