@@ -155,3 +155,22 @@ def test_paths_for_training_alone_change_nothing_that_is_held_out(name: str) -> 
     wanted = [i for i in range(own, own + 8) if name != "node" or i % own not in held]
     assert added == [(i, level) for i in wanted for level in range(levels)]
     assert len(wanted) > 0 and (name != "node" or len(wanted) < 8)
+
+
+@given(counts=st.tuples(*[st.integers(1, 40)] * 3), at_most=st.integers(1, 50))
+def test_thinned_keeps_training_and_spreads_what_is_held_out(
+    counts: tuple[int, int, int], at_most: int
+) -> None:
+    """No two of those that stay are further apart than the mean distance and one."""
+    samples = complete(10, 12).samples()
+    parts = np.split(samples, np.cumsum(counts))[:3]
+    split = Split("mine", *(part[::-1] for part in parts))
+    thinned = split.thinned(at_most)
+    assert rows(thinned.train) == rows(split.train)
+    for before, after in (
+        (parts[1], thinned.validation), (parts[2], thinned.test)
+    ):  # fmt: skip
+        assert len(after) == min(len(before), at_most)
+        places = sorted(rows(before).index(row) for row in rows(after))
+        gaps = np.diff(places)
+        assert (gaps <= len(before) / max(len(after) - 1, 1) + 1).all()

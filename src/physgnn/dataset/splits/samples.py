@@ -11,7 +11,7 @@ hold out whole meshes takes another store.
 
 import random
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,6 +59,24 @@ class Split:
         together = np.concatenate([self.train, self.validation, self.test])
         if len(np.unique(together, axis=0)) < len(together):
             raise InputError(f"split '{self.name}' names a sample twice")
+
+    def thinned(self, at_most: int) -> "Split":
+        """Return the split with at most so many samples to validate and to test on.
+
+        Those that stay are spread evenly over paths and levels.
+        """
+        parts = (self.validation, self.test)
+        validation, test = (_spread(part, at_most) for part in parts)
+        return replace(self, validation=validation, test=test)
+
+
+def _spread(samples: IntArray, at_most: int) -> IntArray:
+    if len(samples) <= at_most:
+        return samples
+    ordered = samples[np.lexsort((samples[:, 1], samples[:, 0]))]
+    places = np.linspace(0, len(ordered) - 1, at_most)
+    thinned: IntArray = ordered[np.round(places).astype(np.int64)]
+    return thinned
 
 
 def split_published(store: Store, seed: int = 1) -> Split:

@@ -102,7 +102,7 @@ REGISTRATION = partial(Task, version=1, split="shifts")
 
 TASKS: Mapping[str, Task] = {
     "dataset-1-paths": Task(
-        version=1,
+        version=2,
         about="One loaded point at a time (dataset 1 of PhysGNN), load paths never "
         "trained on.",
         split="path",
@@ -111,7 +111,7 @@ TASKS: Mapping[str, Task] = {
         tiny=SINGLE_NODES,
     ),
     "dataset-1-nodes": Task(
-        version=1,
+        version=2,
         about="One loaded point at a time (dataset 1 of PhysGNN), points never loaded "
         "in training.",
         split="node",
@@ -120,7 +120,7 @@ TASKS: Mapping[str, Task] = {
         tiny=SINGLE_NODES,
     ),
     "dataset-2-paths": Task(
-        version=1,
+        version=2,
         about="A hundred loaded points at once (dataset 2 of PhysGNN), load paths "
         "never trained on.",
         split="path",
@@ -129,7 +129,7 @@ TASKS: Mapping[str, Task] = {
         tiny=ALL_NODES,
     ),
     "tonutti-2017": Task(
-        version=1,
+        version=2,
         about="The experiment of Tonutti et al. 2017: one of their force points at a "
         "time, forces below 1 N, errors over the tumour, load paths never trained on.",
         split="path",
@@ -140,7 +140,7 @@ TASKS: Mapping[str, Task] = {
         "error)",
     ),
     "mesh-never-seen": Task(
-        version=1,
+        version=2,
         about="A body that nothing was trained on; training had others.",
         split=MESH,
         needs="mesh-never-seen",

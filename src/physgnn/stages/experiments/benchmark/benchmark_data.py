@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # torch takes seconds to import: only the functions that need
     from physgnn.evaluation.benchmark.shift_data import ShiftData
     from physgnn.evaluation.benchmark.tasks import Task
 
+HELD_OUT = 120  # samples of a full task to test on, and to validate on, at most
 SURFACE_POINTS, LARGEST_CELL_MM3 = 300, 1e4  # of the tiny mesh: some 800 points
 MESH_TASK = "mesh-never-seen"
 TRAINED, UNSEEN = "trained", "unseen.zarr"  # in the folder of mesh-never-seen
@@ -87,7 +88,7 @@ def task_data(
         split = Split(MESH, none, none, tested.samples())
     else:
         split = named_split(task.split, tested)
-    return TaskData(name, size, tested, split, tuple(others))
+    return TaskData(name, size, tested, split.thinned(HELD_OUT), tuple(others))
 
 
 def _family(
