@@ -44,6 +44,7 @@ def main() -> None:
     parser.add_argument("--paths", type=int, nargs="+", required=True)
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     parser.add_argument("--split", choices=SPLITS, default="path")
+    parser.add_argument("--every", type=int, default=1, help="level to train on")
     parser.add_argument("--minutes", type=float, default=2.5)
     parser.add_argument("--options", type=json.loads, default={}, help="of the model")
     parser.add_argument("--tested", type=int, default=10_000, help="samples at most")
@@ -57,7 +58,7 @@ def main() -> None:
     for model in given.models:
         draws = model_class(model).draws if model != UNTRAINED else False
         for n_paths in given.paths:
-            part = first_paths(split, n_paths)
+            part = first_paths(split, n_paths, given.every)
             found = [
                 measured(store, part, model, seed, given)
                 for seed in (given.seeds if draws else given.seeds[:1])
@@ -67,11 +68,12 @@ def main() -> None:
     table((*head, "a prediction", "training"), rows)
 
 
-def first_paths(split: Split, n_paths: int) -> Split:
-    """Return the split with the first so many of its paths to train on."""
+def first_paths(split: Split, n_paths: int, every: int = 1) -> Split:
+    """Return the split with some levels of its first so many paths to train on."""
     paths = list(dict.fromkeys(split.train[:, 0].tolist()))[:n_paths]
     validation = split.thinned(VALIDATED).validation
     train = split.train[np.isin(split.train[:, 0], paths)]
+    train = train[(train[:, 1] + 1) % every == 0]
     return replace(split, train=train, validation=validation)
 
 
@@ -125,7 +127,9 @@ def trained_as(
     """Return how a network is trained: as `seeds.py` has it, with this budget."""
     config = settings(model, store)
     options = {**config.options, **given.options}
-    return replace(config, options=options, seed=seed, max_minutes=given.minutes)
+    # the last, slow steps of a cosine are its best
+    budget = {"max_minutes": given.minutes, "early_stopping": 1000}
+    return replace(config, options=options, seed=seed, **budget)
 
 
 def figures(errors: ModelErrors) -> dict[str, Any]:

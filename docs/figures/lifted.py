@@ -8,7 +8,7 @@ box(axes, 0.9, 1.9, "load f", GREY, 1.2)
 box(axes, 2.9, 1.9, "nearest\nreference state ū", ORANGE)
 box(axes, 5.0, 2.7, "u₁ = K(ū)⁻¹ (f − f_int(ū))\none product", ORANGE, 2.2)
 box(axes, 5.0, 1.9, "u₂: second order\none back-solve", ORANGE, 2.2)
-box(axes, 5.0, 0.9, "network near the load\n+ POD modes", PURPLE, 2.2)
+box(axes, 5.0, 0.9, "network near the load,\nwhose forces reach further", PURPLE, 2.2)
 box(axes, 8.0, 1.9, "u = ū + u₁ + u₂\n+ ‖u₂‖ · correction", TEAL, 1.9, 0.9)
 arrow(axes, (1.5, 1.9), (2.12, 1.9))
 for y in (2.7, 1.9):

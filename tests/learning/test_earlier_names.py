@@ -17,6 +17,7 @@ from physgnn.learning.models import (
     build_model,
     method_options,
     model_class,
+    recorded_options,
     resolved_options,
 )
 from physgnn.learning.runs.checkpoint import Checkpoint, read_record
@@ -24,10 +25,13 @@ from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.training_run import train
 
-EARLIER = {"anchors": 2, "reach": 2, "width": 8, "layers": 1, "modes": 2, "settle": 3}
+EARLIER = {
+    "anchors": 2, "reach": 2, "width": 8, "layers": 1, "modes": 2, "settle": 3,
+}  # fmt: skip
+# none had response modes then
 PRESENT = {
-    "anchors": 2, "k_hops": 2, "width": 8, "layers": 1, "pod_modes": 2,
-    "submodel_hops": 3,
+    "anchors": 2, "k_hops": 2, "width": 8, "layers": 1, "response_modes": 0,
+    "pod_modes": 2, "submodel_hops": 3,
 }  # fmt: skip
 
 
@@ -44,7 +48,7 @@ def test_each_earlier_option_is_one_of_a_method_now() -> None:
 
 
 def test_options_by_earlier_names_make_the_same(store: Store) -> None:
-    assert resolved_options("lifted", EARLIER) == PRESENT
+    assert resolved_options("lifted", recorded_options("lifted", EARLIER)) == PRESENT
     made = build_model("reduced", store.body, together=2, reach=0, reach_from_rest=1)
     named = (made.nearest_anchors, made.k_hops, made.k_hops_from_rest)
     assert named == (2, 0, 1)
@@ -81,7 +85,8 @@ def test_a_run_of_earlier_names_opens_and_goes_on(
     file.write_text(json.dumps(record))
     assert read_record(run)["config"]["options"] == PRESENT
     Checkpoint.load(run)
-    longer = TrainingConfig(model="lifted", options=EARLIER, max_epochs=2, seed=1)
+    options = {**EARLIER, "response_modes": 0}
+    longer = TrainingConfig(model="lifted", options=options, max_epochs=2, seed=1)
     train(store, split, longer, run, resume=True)
 
 
@@ -89,6 +94,6 @@ def test_the_bundled_run_opens_under_present_names() -> None:
     written = json.loads(RunFolder(BUNDLED_RUN).record.read_text("utf-8"))
     assert "settle" in written["config"]["options"]
     assert Checkpoint.load(BUNDLED_RUN).record["config"]["options"] == {
-        "anchors": 6, "k_hops": 3, "width": 32, "layers": 4, "pod_modes": 16,
-        "submodel_hops": 5,
+        "anchors": 6, "k_hops": 3, "width": 32, "layers": 4, "response_modes": 0,
+        "pod_modes": 16, "submodel_hops": 5,
     }  # fmt: skip

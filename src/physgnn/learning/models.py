@@ -62,6 +62,9 @@ EARLIER_OPTIONS: Mapping[str, str] = {
 }
 """What options of the methods above were called before, and are now."""
 
+OPTIONS_BEFORE: Mapping[str, Mapping[str, Any]] = {"lifted": {"response_modes": 0}}
+"""Options that came later: what records of before are like."""
+
 
 def method_name(name: str) -> str:
     """Return what a method is called now."""
@@ -90,6 +93,12 @@ def method_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
             )
         renamed[now] = value
     return renamed
+
+
+def recorded_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of a record, and those that it is too old to have."""
+    before = OPTIONS_BEFORE.get(method_name(name), {})
+    return {**before, **method_options(name, options)}
 
 
 def build_model(name: str, body: Body, **options: Any) -> Surrogate:

@@ -1,5 +1,6 @@
 """What the lifted network must be, whatever its weights."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from physgnn.learning.lifted.model import LiftedModel
 from physgnn.learning.lifted.own_axes import body_axes
 from physgnn.learning.models import build_model
 from physgnn.learning.runs.checkpoint import Checkpoint
+from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.training_run import train
 from physgnn.mechanics.body import Body
@@ -24,7 +26,10 @@ from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.materials import NeoHookean
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
-OPTIONS = {"anchors": 2, "k_hops": 2, "width": 8, "layers": 2, "pod_modes": 3}
+OPTIONS = {
+    "anchors": 2, "k_hops": 2, "width": 8, "layers": 2, "pod_modes": 3,
+    "response_modes": 4, "submodel_hops": 5,
+}  # fmt: skip
 
 
 def slab(block: TetMesh) -> TetMesh:
@@ -48,8 +53,8 @@ def with_random_weights(model: LiftedModel) -> LiftedModel:
     with torch.no_grad():
         for weight in model.parameters():
             weight.copy_(0.3 * torch.randn(weight.shape, generator=generator))
-        shape = model.modes.shape
-        model.modes.copy_(0.1 * torch.randn(shape, generator=generator))
+        for shapes in (model.modes, model.responses):
+            shapes.copy_(0.1 * torch.randn(shapes.shape, generator=generator))
     return model.eval()
 
 
@@ -126,7 +131,7 @@ def test_node_order_does_not_matter(model: LiftedModel) -> None:
     options = {**OPTIONS, "pod_modes": len(model.modes)}
     other = LiftedModel(body_of(shuffled), **options)
     state = model.state_dict()
-    for name in ("anchor_states", "modes"):
+    for name in ("anchor_states", "responses", "modes"):
         state[name] = state[name][:, order]
     state["near"] = state["near"][order]
     other.load_state_dict(state)
@@ -169,6 +174,43 @@ def test_a_trained_checkpoint_reloads_bit_for_bit(
     assert isinstance(trained, LiftedModel)
     assert isinstance(again, LiftedModel)
     assert torch.equal(predict(trained.eval(), case), predict(again, case))
+
+
+def test_a_force_moves_the_body_as_far_as_the_modes_span_it(
+    store: Store,
+) -> None:
+    """With as many modes as loads have components, Φ Φᵀ f is the linear solution."""
+    loaded = store.load_path(0).nodes[:2]
+    forces = np.zeros((1, store.mesh.n_points, 3))
+    forces[0, loaded] = [[0.01, 0.0, -0.02], [0.0, 0.03, 0.01]]
+    whole = LiftedModel(store.body, **{**OPTIONS, "response_modes": 3 * len(loaded)})
+    whole.expect(forces)
+    at = torch.from_numpy(loaded.astype(np.int64))
+    turned = forces @ body_axes(store.mesh).T
+    pushed = torch.from_numpy(turned[:, loaded].astype(np.float32))
+    moved = whole._response(pushed, at).numpy()[0] @ body_axes(store.mesh)
+    expected = RestState(store.body).solve(forces[0])
+    np.testing.assert_allclose(moved, expected, atol=1e-4 * np.abs(expected).max())
+
+
+def test_runs_of_before_response_modes_have_none(
+    store: Store, split: Split, tmp_path: Path
+) -> None:
+    options = {**OPTIONS, "response_modes": 0}
+    config = TrainingConfig(model="lifted", options=options, max_epochs=1)
+    trained = train(store, split, config, tmp_path / "run").model
+    file = RunFolder(tmp_path / "run").record
+    record = json.loads(file.read_text())
+    del record["config"]["options"]["response_modes"]
+    record.pop("manifest")  # so that what is changed by hand is opened
+    RunFolder(tmp_path / "run").manifest.unlink()
+    file.write_text(json.dumps(record))
+    again = Checkpoint.load(tmp_path / "run")
+    assert again.record["config"]["options"] == options
+    case = store.load_case(5, 3)
+    assert isinstance(trained, LiftedModel)
+    assert isinstance(again.model, LiftedModel)
+    assert torch.equal(predict(trained.eval(), case), predict(again.model, case))
 
 
 def test_size_is_a_few_tens_of_thousands(block: TetMesh) -> None:

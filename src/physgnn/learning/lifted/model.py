@@ -1,9 +1,11 @@
 """The lifted network: physics carries the displacement, a network what is left over.
 
-u = ū + u₁ + u₂ (`physgnn.mechanics.reduced.expansions.asymptotic`) + ‖u₂‖ · (network +
-modes). The factor, the mean length of u₂, makes the correction O(load²) or smaller, so
-that small loads get the linear solution, and none nothing. All is computed in the
-body's own axes, so that a body turned with its load has its displacement turned.
+u = ū + u₁ + u₂ (`physgnn.mechanics.reduced.expansions.asymptotic`) + ‖u₂‖ · (g + Φ Φᵀ f
++ modes): the network gives a displacement g near the loads, and forces f there that
+move the whole body by its `response_modes` Φ. The factor, the mean length of u₂, makes
+the correction O(load²) or smaller, so that small loads get the linear solution, and
+none nothing. All is computed in the body's own axes, so that a body turned with its
+load has its displacement turned.
 """
 
 from collections.abc import Iterator
@@ -19,6 +21,7 @@ from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
 from physgnn.learning.lifted.own_axes import body_axes, turned
+from physgnn.learning.lifted.pod_modes import fitted_modes, products, size
 from physgnn.learning.network import Network
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
@@ -30,13 +33,12 @@ from physgnn.mechanics.equilibrium.reference_states import (
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.reduced.expansions.anchors import mean_load_anchors
 from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
-from physgnn.mechanics.reduced.pod_galerkin.pod import leading_modes
+from physgnn.mechanics.reduced.expansions.response_modes import response_modes
 from physgnn.mechanics.reduced.submodels.near_loads import NearLoads
 
 if TYPE_CHECKING:
     from physgnn.dataset.storage.store import Store
 
-MAX_SNAPSHOTS = 600  # more don't change the modes that pay, and cost memory
 HIDDEN = 64  # of the small network from modes to modes
 
 
@@ -54,6 +56,10 @@ class LiftedModel(Network):
         at most so many edges from one of them.
     width, layers : int
         Of the local network.
+    response_modes : int
+        Shapes by which the body answers forces on the points that are loaded: they
+        carry the network's forces beyond the neighbourhood. They are found without a
+        solution, so nothing learnt belongs to this body. 0 leaves them out.
     pod_modes : int
         Global shapes of the correction, added by a small network; 0 leaves them out,
         and then nothing learnt belongs to this body alone.
@@ -68,6 +74,7 @@ class LiftedModel(Network):
     free: Tensor
     anchor_states: Tensor
     near: Tensor
+    responses: Tensor
     modes: Tensor
     mode_scale: Tensor
 
@@ -79,15 +86,17 @@ class LiftedModel(Network):
         k_hops: int = 3,
         width: int = 32,
         layers: int = 4,
+        response_modes: int = 64,
         pod_modes: int = 16,
         submodel_hops: int = 5,
     ) -> None:
         super().__init__(body)
-        given = (anchors, k_hops, pod_modes, submodel_hops, width, layers)
-        if min(given[:4]) < 0 or min(width, layers) < 1:
+        counts = (anchors, k_hops, response_modes, pod_modes, submodel_hops)
+        if min(counts) < 0 or min(width, layers) < 1:
             raise InputError(
-                "anchors, k_hops, pod_modes and submodel_hops must be ≥ 0, width and "
-                f"layers ≥ 1 (got {', '.join(map(str, given))})"
+                "anchors, k_hops, response_modes, pod_modes and submodel_hops must be "
+                "≥ 0, width and layers ≥ 1 (got "
+                f"{', '.join(map(str, (*counts, width, layers)))})"
             )
         self.k_hops = k_hops
         n = body.mesh.n_points
@@ -101,9 +110,11 @@ class LiftedModel(Network):
         self.register_buffer("free", as_float32(free), persistent=False)
         self.register_buffer("anchor_states", torch.zeros(anchors, n, 3))
         self.register_buffer("near", torch.ones(n, dtype=torch.bool))
+        if response_modes:  # runs of before there were any hold none
+            self.register_buffer("responses", torch.zeros(response_modes, n, 3))
         self.register_buffer("modes", torch.zeros(pod_modes, n, 3))
         self.register_buffer("mode_scale", torch.ones(3 * pod_modes))
-        self.local = LiftedNetwork(width, layers)
+        self.local = LiftedNetwork(width, layers, forces=response_modes > 0)
         self.coefficients = nn.Sequential(
             nn.Linear(3 * pod_modes, HIDDEN), nn.SiLU(), nn.Linear(HIDDEN, pod_modes)
         ) if pod_modes else None  # fmt: skip
@@ -131,7 +142,10 @@ class LiftedModel(Network):
         del seed
         self.expect(strongest_forces(store, samples))
         if len(self.modes):
-            self._fit_modes(store, samples)
+            axes, n_modes = self.axes, len(self.modes)
+            found = fitted_modes(self.encode, axes, store, samples, n_modes)
+            self.modes.copy_(found[0])
+            self.mode_scale.copy_(found[1])
 
     def expect(self, forces: FloatArray) -> None:
         """Find the anchors and the points near loads, from loads without solutions.
@@ -148,6 +162,20 @@ class LiftedModel(Network):
         states = mean_load_anchors(self._turned, forces @ self._axes64.T, n_anchors)
         self.anchor_states.copy_(torch.from_numpy(states))
         self._forget()
+        self._find_responses(loaded)
+
+    def _find_responses(self, loaded: IntArray) -> None:
+        """Find how the body at rest answers forces on the points that are loaded."""
+        if not self._has_responses:
+            return
+        n, free = self.body.mesh.n_points, np.setdiff1d(loaded, self.body.fixed)
+        at_rest = self.expansion.about(np.zeros((n, 3)))
+        found = response_modes(at_rest.solve, free, n, len(self.responses))
+        self.responses.copy_(torch.from_numpy(found))
+
+    @property
+    def _has_responses(self) -> bool:
+        return hasattr(self, "responses")
 
     def share_weights(self, other: Surrogate) -> None:
         """Take another body's network's weights for one's own, in training too."""
@@ -196,22 +224,6 @@ class LiftedModel(Network):
             if inverted < 0 and force[free].any():
                 yield LoadCase(free, force[free])
 
-    def _fit_modes(self, store: "Store", samples: IntArray) -> None:
-        every = max(len(samples) // MAX_SNAPSHOTS, 1)
-        missed, terms = [], []
-        for path, level in samples[::every]:
-            x = self.encode(store.load_case(int(path), int(level)))
-            truth = torch.tensor(store.displacement(int(path))[int(level)])
-            expanded, first, second, _ = torch.split(x, 3, dim=-1)
-            missed.append(
-                (truth @ self.axes.cpu().T - expanded) / _size(second[None])[0]
-            )
-            terms.append(torch.stack([first, second, missed[-1]]))
-        shapes = leading_modes(torch.stack(missed).numpy(), len(self.modes))
-        self.modes.copy_(as_float32(shapes))
-        projected = self._project(torch.stack(terms).to(self.modes))
-        self.mode_scale.copy_(projected.square().mean(0).sqrt().clamp_min(1e-12))
-
     def encode(self, load_case: LoadCase) -> Tensor:
         """Return the second-order displacement, u₁, u₂ and force in the body's axes.
 
@@ -236,26 +248,33 @@ class LiftedModel(Network):
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:  # noqa: ARG002
         """Return displacement in mm, (batch, n_points, 3), in the world's axes."""
         expanded, first, second, force = torch.split(inputs, 3, dim=-1)
-        size = _size(second)
+        scale = size(second)
         patch = self._patch_on(inputs.device)
         terms = torch.cat([expanded - first - second, first, second], dim=-1)
-        near = self.local(terms[:, patch.points], force[:, patch.points], size, patch)
+        own = terms[:, patch.points], force[:, patch.points]
+        near, pushed = self.local(*own, scale, patch)
         correction = torch.zeros_like(expanded).index_copy(1, patch.points, near)
+        if self._has_responses:
+            correction = correction + self._response(pushed, patch.points)
         if self.coefficients is not None:
-            projected = self._project(torch.stack([first, second, correction], dim=1))
+            projected = products(
+                torch.stack([first, second, correction], 1), self.modes
+            )
             shares = self.coefficients(projected / self.mode_scale)
             correction = correction + torch.tensordot(shares, self.modes, dims=1)
-        displacement: Tensor = (expanded + self.free * size * correction) @ self.axes
+        displacement: Tensor = (expanded + self.free * scale * correction) @ self.axes
         return displacement
 
     def refine(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
         """Bring the cells near a force on few points into equilibrium."""
         return self._near_loads.corrected(load_case, displacement)
 
-    def _project(self, terms: Tensor) -> Tensor:
-        """Return (batch, 3 · modes) products of three fields with the modes."""
-        flat = self.modes.flatten(1)
-        return (terms.flatten(2) @ flat.T).flatten(1)
+    def _response(self, forces: Tensor, points: Tensor) -> Tensor:
+        """Return Φ Φᵀ f of forces on some points, (batch, n_points, 3)."""
+        there = self.responses[:, points].flatten(1)
+        shares = forces.flatten(1) @ there.T
+        moved: Tensor = torch.tensordot(shares, self.responses, dims=1)
+        return moved
 
     def _patch_on(self, device: torch.device) -> NetworkRegion:
         if self._patch is None or self._patch.points.device != device:
@@ -267,8 +286,3 @@ class LiftedModel(Network):
 def _forget(model: nn.Module, _: object) -> None:
     assert isinstance(model, LiftedModel)
     model._forget()
-
-
-def _size(second: Tensor) -> Tensor:
-    """Return the root mean square length of a field over its points, (batch, 1, 1)."""
-    return second.square().sum(dim=-1, keepdim=True).mean(dim=1, keepdim=True).sqrt()

@@ -74,6 +74,8 @@ class NetworkRegion:
 class LiftedNetwork(nn.Module):
     """Predicts, near the loads, what an expansion misses, in units of its last term.
 
+    It is a displacement there and, if wanted, a force, which moves the body elsewhere.
+
     Everything it sees is local and dimensionless: gradients of the expansion's terms,
     the last term's shape, force over stiffness, and what the body is there.
 
@@ -81,9 +83,11 @@ class LiftedNetwork(nn.Module):
     ----------
     width, n_layers : int
         Columns between layers, and number of layers.
+    forces : bool
+        Whether it predicts forces, too.
     """
 
-    def __init__(self, width: int, n_layers: int) -> None:
+    def __init__(self, width: int, n_layers: int, *, forces: bool) -> None:
         super().__init__()
         message = (width + 1) // 2  # neighbours are told half: it costs half
         self.first = nn.Linear(N_FEATURES, width)
@@ -93,14 +97,14 @@ class LiftedNetwork(nn.Module):
         self.layers = nn.ModuleList(
             nn.Linear(width + 4 * message, width) for _ in range(n_layers)
         )
-        self.last = nn.Linear(width, 3)
+        self.last = nn.Linear(width, 6 if forces else 3)
         nn.init.zeros_(self.last.weight)  # training starts from the expansion
         nn.init.zeros_(self.last.bias)
 
     def forward(
         self, terms: Tensor, force: Tensor, size: Tensor, patch: NetworkRegion
-    ) -> Tensor:
-        """Return the correction over its size.
+    ) -> tuple[Tensor, Tensor]:
+        """Return the correction over its size, and the force over the same size.
 
         Parameters
         ----------
@@ -110,17 +114,22 @@ class LiftedNetwork(nn.Module):
             N.
         size : (batch, 1, 1) tensor
             Of the second term, mm.
+        patch : NetworkRegion
+            The points.
 
         Returns
         -------
-        (batch, n, 3) tensor
+        displacement : (batch, n, 3) tensor
+            Per mm of the second term.
+        force : (batch, n, 3) or (batch, n, 0) tensor
+            N per mm of it.
         """
         h = self.first(_features(terms, force, size, patch))
         for message, layer in zip(self.messages, self.layers, strict=True):
             around = patch.stencil(message(h))
             h = h + nn.functional.silu(layer(torch.cat([h, around], dim=-1)))
-        output: Tensor = self.last(h)
-        return output
+        displacement, force = self.last(h).tensor_split([3], dim=-1)
+        return displacement, patch.stiffness / patch.length * force
 
 
 def _features(

@@ -13,7 +13,7 @@ from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.io import read_mesh, write_mesh
 from physgnn.io.integrity.digest import Manifest
-from physgnn.learning.models import build_model
+from physgnn.learning.models import build_model, resolved_options
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.parts import (
     REMEDY,
@@ -55,6 +55,13 @@ class Checkpoint:
         """Mesh, materials and fixed points."""
         return self.model.body
 
+    @property
+    def _config(self) -> dict[str, Any]:
+        """The record's, with all options, so that no later default changes them."""
+        config = self.record["config"]
+        options = resolved_options(config["model"], config["options"])
+        return {**config, "options": options}
+
     def save(self, run: str | Path) -> None:
         """Write the run folder.
 
@@ -75,6 +82,7 @@ class Checkpoint:
                 for region, material in body.materials.items()
             },
             **self.record,
+            "config": self._config,
         }
         arrays = self.model.arrays()
         weights = save({k: np.asarray(v, order="C") for k, v in arrays.items()})

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from physgnn.errors import InputError
-from physgnn.learning.models import method_name, method_options, resolved_options
+from physgnn.learning.models import method_name, recorded_options, resolved_options
 from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.runs.parts import check_part
 from physgnn.versions import release
@@ -212,12 +212,15 @@ def _joint(hashes: Sequence[str]) -> str:
 
 
 def with_present_names(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a record whose method and options have the names they have now."""
+    """Return a record whose method and options have the names they have now.
+
+    Options that came later have the value that leaves out what they choose.
+    """
     config = record.get("config")
     if not isinstance(config, Mapping) or "model" not in config:
         return dict(record)
     model = config["model"]
-    options = method_options(model, config.get("options", {}))
+    options = recorded_options(model, config.get("options", {}))
     named = {**config, "model": method_name(model), "options": options}
     return {**record, "config": named}
 
