@@ -64,7 +64,7 @@ def tuned(start: Checkpoint, store: Store, minutes: float, run: Path) -> Checkpo
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("run", type=Path, help="trained on a family, pod_modes = 0")
+    parser.add_argument("run", type=Path, help="trained on a family")
     parser.add_argument("store", type=Path)
     parser.add_argument("--tune", type=Path, help="folder for a run tuned further")
     parser.add_argument("--minutes", type=float, default=5.0, help="of tuning")

@@ -38,7 +38,7 @@ batch_size = 4
 early_stopping = 1000
 max_minutes = 0.15
 [options]
-pod_modes = 4
+response_modes = 16
 """
 
 

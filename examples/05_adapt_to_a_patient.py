@@ -33,7 +33,6 @@ schedule = "cosine"
 early_stopping = 1000
 max_minutes = 0.1
 [options]
-pod_modes = 0
 anchors = 3
 """
 

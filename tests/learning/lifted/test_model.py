@@ -213,9 +213,9 @@ def test_runs_of_before_response_modes_have_none(
     assert torch.equal(predict(trained.eval(), case), predict(again.model, case))
 
 
-def test_size_is_a_few_tens_of_thousands(block: TetMesh) -> None:
+def test_size_is_some_tens_of_thousands(block: TetMesh) -> None:
     model = LiftedModel(body_of(block))
-    assert 2e4 < sum(p.numel() for p in model.parameters()) < 6e4
+    assert 1e4 < sum(p.numel() for p in model.parameters()) < 6e4
 
 
 def test_refuses_options_out_of_range(block: TetMesh) -> None:

@@ -36,7 +36,7 @@ def adapt(
     run: Annotated[
         Path | None,
         typer.Argument(
-            help="The folder of a lifted network trained with pod_modes = 0, or of a "
+            help="The folder of a lifted network without pod_modes, or of a "
             "cnn; by default, and as bundled-family, the one that comes with the "
             "package."
         ),

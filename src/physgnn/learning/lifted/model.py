@@ -61,8 +61,8 @@ class LiftedModel(Network):
         carry the network's forces beyond the neighbourhood. They are found without a
         solution, so nothing learnt belongs to this body. 0 leaves them out.
     pod_modes : int
-        Global shapes of the correction, added by a small network; 0 leaves them out,
-        and then nothing learnt belongs to this body alone.
+        Further shapes of the correction, added by a small network: POD modes of solved
+        samples. With any, what is learnt belongs to this body alone.
     submodel_hops : int
         Under a force on few points, the submodel of the cells at most so many edges
         from it is solved, with what is predicted beside it as its boundary condition
@@ -75,6 +75,7 @@ class LiftedModel(Network):
     anchor_states: Tensor
     near: Tensor
     responses: Tensor
+    loaded: Tensor
     modes: Tensor
     mode_scale: Tensor
 
@@ -87,7 +88,7 @@ class LiftedModel(Network):
         width: int = 32,
         layers: int = 4,
         response_modes: int = 64,
-        pod_modes: int = 16,
+        pod_modes: int = 0,
         submodel_hops: int = 5,
     ) -> None:
         super().__init__(body)
@@ -112,6 +113,7 @@ class LiftedModel(Network):
         self.register_buffer("near", torch.ones(n, dtype=torch.bool))
         if response_modes:  # runs of before there were any hold none
             self.register_buffer("responses", torch.zeros(response_modes, n, 3))
+            self.register_buffer("loaded", torch.zeros(n, dtype=torch.bool))
         self.register_buffer("modes", torch.zeros(pod_modes, n, 3))
         self.register_buffer("mode_scale", torch.ones(3 * pod_modes))
         self.local = LiftedNetwork(width, layers, forces=response_modes > 0)
@@ -172,6 +174,8 @@ class LiftedModel(Network):
         at_rest = self.expansion.about(np.zeros((n, 3)))
         found = response_modes(at_rest.solve, free, n, len(self.responses))
         self.responses.copy_(torch.from_numpy(found))
+        self.loaded[:] = False
+        self.loaded[torch.from_numpy(free)] = True
 
     @property
     def _has_responses(self) -> bool:
@@ -270,8 +274,9 @@ class LiftedModel(Network):
         return self._near_loads.corrected(load_case, displacement)
 
     def _response(self, forces: Tensor, points: Tensor) -> Tensor:
-        """Return Φ Φᵀ f of forces on some points, (batch, n_points, 3)."""
-        there = self.responses[:, points].flatten(1)
+        """Return Φ Φᵀ f, (batch, n_points, 3), f being the forces on loaded points."""
+        acts = self.loaded[points, None]
+        there = (self.responses[:, points] * acts).flatten(1)
         shares = forces.flatten(1) @ there.T
         moved: Tensor = torch.tensordot(shares, self.responses, dims=1)
         return moved

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 PRESET = "family"
 SETTINGS: dict[str, Any] = {
     "model": "lifted",
-    "options": {"pod_modes": 0, "k_hops": 4},
+    "options": {"response_modes": 0, "k_hops": 4},  # they would take 5 MB
     "batch_size": 4,
     "learning_rate": 0.002,
     "weight_decay": 0.1,

@@ -53,7 +53,7 @@ def adapt(
     Parameters
     ----------
     run : path or None
-        Folder of a lifted network trained with pod_modes = 0, or of a cnn, best on
+        Folder of a lifted network without pod_modes, or of a cnn, best on
         several bodies; None, or ``bundled-family`` where there is no such folder, takes
         the one that comes with the package.
     case : path
@@ -97,7 +97,7 @@ def adapt_run(
     Parameters
     ----------
     run : path
-        Folder of a lifted network trained with pod_modes = 0, or of a cnn, best on
+        Folder of a lifted network without pod_modes, or of a cnn, best on
         several bodies.
     mesh : TetMesh
         The new patient's.
