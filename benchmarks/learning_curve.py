@@ -125,11 +125,10 @@ def trained_as(
     model: str, store: Store, seed: int, given: argparse.Namespace
 ) -> TrainingConfig:
     """Return how a network is trained: as `seeds.py` has it, with this budget."""
-    config = settings(model, store)
-    options = {**config.options, **given.options}
+    config = settings(model, store, given.options)
     # the last, slow steps of a cosine are its best
     budget = {"max_minutes": given.minutes, "early_stopping": 1000}
-    return replace(config, options=options, seed=seed, **budget)
+    return replace(config, seed=seed, **budget)
 
 
 def figures(errors: ModelErrors) -> dict[str, Any]:

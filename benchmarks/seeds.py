@@ -9,8 +9,11 @@ Every run folder that is there already is left as it is; an interrupted one is r
 """
 
 import argparse
+import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from physgnn.dataset import SPLITS, Split, Store
 from physgnn.learning.runs.folder import RunFolder
@@ -40,23 +43,24 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     parser.add_argument("--split", choices=SPLITS, default="path")
     parser.add_argument("--minutes", type=float, default=6.0)
+    parser.add_argument("--options", type=json.loads, default={}, help="of the model")
     given = parser.parse_args()
     store = Store.open(given.store, cache_bytes=128 * 2**20)
     split = SPLITS[given.split](store)
     split = replace(split, validation=split.validation[::THINNED])
     for seed in given.seeds:
-        config = replace(
-            settings(given.model, store), seed=seed, max_minutes=given.minutes
-        )
+        config = settings(given.model, store, given.options)
+        config = replace(config, seed=seed, max_minutes=given.minutes)
         finish(store, split, config, given.out / f"{given.model}-{seed}")
 
 
-def settings(model: str, store: Store) -> TrainingConfig:
-    chosen = dict(SETTINGS[model])
-    options = {}
+def settings(
+    model: str, store: Store, options: Mapping[str, Any] | None = None
+) -> TrainingConfig:
+    chosen, options = dict(SETTINGS[model]), dict(options or {})
     if model == "physgnn":
         best = BEST.get(str(store.provenance.get("preset")), BEST["paper-2"])
-        options = {"configuration": best[0], "dataset": best[1]}
+        options = {"configuration": best[0], "dataset": best[1], **options}
         chosen["batch_size"] = best[2]
     return TrainingConfig(
         model=model, options=options, memory_mb=4096.0, clock="processor", **chosen

@@ -33,7 +33,7 @@ from physgnn.mechanics.equilibrium.reference_states import (
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.reduced.expansions.anchors import mean_load_anchors
 from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
-from physgnn.mechanics.reduced.expansions.response_modes import response_modes
+from physgnn.mechanics.reduced.expansions.response_modes import softest_responses
 from physgnn.mechanics.reduced.submodels.near_loads import NearLoads
 
 if TYPE_CHECKING:
@@ -172,7 +172,7 @@ class LiftedModel(Network):
             return
         n, free = self.body.mesh.n_points, np.setdiff1d(loaded, self.body.fixed)
         at_rest = self.expansion.about(np.zeros((n, 3)))
-        found = response_modes(at_rest.solve, free, n, len(self.responses))
+        found = softest_responses(at_rest.solve, free, n, len(self.responses))
         self.responses.copy_(torch.from_numpy(found))
         self.loaded[:] = False
         self.loaded[torch.from_numpy(free)] = True

@@ -11,7 +11,7 @@ from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.materials import NeoHookean
 from physgnn.mechanics.reduced.expansions import response_modes as module
-from physgnn.mechanics.reduced.expansions.response_modes import response_modes
+from physgnn.mechanics.reduced.expansions.response_modes import softest_responses
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 
@@ -34,7 +34,7 @@ def test_they_are_orthonormal_in_energy_and_softest_first(
 ) -> None:
     monkeypatch.setattr(module, "DENSE", dense)
     nodes, n = block.point_set("loaded"), 6
-    modes = response_modes(solve, nodes, block.n_points, n)
+    modes = softest_responses(solve, nodes, block.n_points, n)
     elements, step = Body(block, MATERIALS).elements, 1e-5 / np.abs(modes).max()
     pushed = [
         (
@@ -54,7 +54,7 @@ def test_they_are_orthonormal_in_energy_and_softest_first(
 
 def test_all_of_them_give_the_linear_solution(block: TetMesh, solve: Callable) -> None:
     nodes = block.point_set("loaded")[:3]
-    modes = response_modes(solve, nodes, block.n_points, 12)
+    modes = softest_responses(solve, nodes, block.n_points, 12)
     assert (modes[9:] == 0).all()
     force = forces_on(block, nodes, 1)
     shares = (modes * force).sum(axis=(1, 2))
@@ -73,7 +73,7 @@ def test_error_in_energy_falls_with_their_number(
     work = (forces * exact).sum()
     captured = []
     for n in (2, 4, 8, 16):
-        modes = response_modes(solve, nodes, block.n_points, n)
+        modes = softest_responses(solve, nodes, block.n_points, n)
         shares = np.einsum("mni,kni->km", modes, forces)
         captured.append((shares**2).sum() / work)
     assert (np.diff(captured) > 0).all()
@@ -82,4 +82,4 @@ def test_error_in_energy_falls_with_their_number(
 
 def test_without_points_to_load_there_are_none(block: TetMesh, solve: Callable) -> None:
     none = np.array([], dtype=np.int64)
-    assert (response_modes(solve, none, block.n_points, 3) == 0).all()
+    assert (softest_responses(solve, none, block.n_points, 3) == 0).all()

@@ -23,7 +23,7 @@ TOLERANCE = (
 DENSE = 3  # G is made whole if it has at most so many rows a mode: that is as fast
 
 
-def response_modes(
+def softest_responses(
     solve: Callable[[FloatArray], FloatArray],
     nodes: IntArray,
     n_points: int,
