@@ -185,12 +185,22 @@ def test_a_force_moves_the_body_as_far_as_the_modes_span_it(
     forces[0, loaded] = [[0.01, 0.0, -0.02], [0.0, 0.03, 0.01]]
     whole = LiftedModel(store.body, **{**OPTIONS, "response_modes": 3 * len(loaded)})
     whole.expect(forces)
-    at = torch.from_numpy(loaded.astype(np.int64))
+    patch = whole._patch_on(torch.device("cpu"))
     turned = forces @ body_axes(store.mesh).T
-    pushed = torch.from_numpy(turned[:, loaded].astype(np.float32))
-    moved = whole._response(pushed, at).numpy()[0] @ body_axes(store.mesh)
+    pushed = torch.from_numpy(turned[:, patch.points.numpy()].astype(np.float32))
+    moved = whole._response(pushed, patch).numpy()[0] @ body_axes(store.mesh)
     expected = RestState(store.body).solve(forces[0])
     np.testing.assert_allclose(moved, expected, atol=1e-4 * np.abs(expected).max())
+
+
+def test_it_learns_after_it_has_predicted(fitted: LiftedModel, store: Store) -> None:
+    """What a prediction keeps for the next one must serve a gradient, too."""
+    inputs = fitted.encode(store.load_case(5, 3))[None]
+    with torch.inference_mode():
+        fitted(inputs, graph_of(fitted.body))
+    fitted(inputs, graph_of(fitted.body)).sum().backward()
+    assert fitted.local.last.weight.grad is not None
+    assert fitted.local.last.weight.grad[3:].any()
 
 
 def test_runs_of_before_response_modes_have_none(

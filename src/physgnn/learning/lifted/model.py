@@ -1,11 +1,11 @@
 """The lifted network: physics carries the displacement, a network what is left over.
 
 u = ū + u₁ + u₂ (`physgnn.mechanics.reduced.expansions.asymptotic`) + ‖u₂‖ · (g + Φ Φᵀ f
-+ modes): the network gives a displacement g near the loads, and forces f there that
-move the whole body by its `response_modes` Φ. The factor, the mean length of u₂, makes
-the correction O(load²) or smaller, so that small loads get the linear solution, and
-none nothing. All is computed in the body's own axes, so that a body turned with its
-load has its displacement turned.
++ modes): the network gives a displacement g near the loads, and forces f on the loaded
+points that move the whole body by its response modes Φ. The factor, the mean length of
+u₂, makes the correction O(load²) or smaller, so that small loads get the linear
+solution, and none nothing. All is computed in the body's own axes, so that a body
+turned with its load has its displacement turned.
 """
 
 from collections.abc import Iterator
@@ -127,6 +127,7 @@ class LiftedModel(Network):
         """Drop what was made from the buffers; it's made again when needed."""
         self._expansion: AsymptoticExpansion | None = None
         self._patch: NetworkRegion | None = None
+        self._acting: tuple[Tensor, Tensor] | None = None  # loaded points, and Φ there
 
     @property
     def expansion(self) -> AsymptoticExpansion:
@@ -176,6 +177,7 @@ class LiftedModel(Network):
         self.responses.copy_(torch.from_numpy(found))
         self.loaded[:] = False
         self.loaded[torch.from_numpy(free)] = True
+        self._acting = None
 
     @property
     def _has_responses(self) -> bool:
@@ -259,7 +261,7 @@ class LiftedModel(Network):
         near, pushed = self.local(*own, scale, patch)
         correction = torch.zeros_like(expanded).index_copy(1, patch.points, near)
         if self._has_responses:
-            correction = correction + self._response(pushed, patch.points)
+            correction = correction + self._response(pushed, patch)
         if self.coefficients is not None:
             projected = products(
                 torch.stack([first, second, correction], 1), self.modes
@@ -273,18 +275,23 @@ class LiftedModel(Network):
         """Bring the cells near a force on few points into equilibrium."""
         return self._near_loads.corrected(load_case, displacement)
 
-    def _response(self, forces: Tensor, points: Tensor) -> Tensor:
+    def _response(self, forces: Tensor, patch: NetworkRegion) -> Tensor:
         """Return Φ Φᵀ f, (batch, n_points, 3), f being the forces on loaded points."""
-        acts = self.loaded[points, None]
-        there = (self.responses[:, points] * acts).flatten(1)
-        shares = forces.flatten(1) @ there.T
+        if self._acting is None or self._acting[0].device != forces.device:
+            with torch.inference_mode(False):  # as with the patch
+                at = torch.nonzero(self.loaded[patch.points])[:, 0]
+                there = self.responses[:, patch.points[at]].flatten(1).T
+                self._acting = at, there.contiguous()
+        at, there = self._acting
+        shares = forces[:, at].flatten(1) @ there
         moved: Tensor = torch.tensordot(shares, self.responses, dims=1)
         return moved
 
     def _patch_on(self, device: torch.device) -> NetworkRegion:
         if self._patch is None or self._patch.points.device != device:
-            patch = NetworkRegion.of(self._turned, self.near.cpu().numpy())
-            self._patch = patch.to(device)
+            with torch.inference_mode(False):  # a prediction's must serve training, too
+                patch = NetworkRegion.of(self._turned, self.near.cpu().numpy())
+                self._patch = patch.to(device)
         return self._patch
 
 
