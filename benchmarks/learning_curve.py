@@ -8,6 +8,7 @@ have one budget of processor time. What is measured already is not measured agai
 """
 
 import argparse
+import hashlib
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -70,7 +71,10 @@ def main() -> None:
 
 def first_paths(split: Split, n_paths: int, every: int = 1) -> Split:
     """Return the split with some levels of its first so many paths to train on."""
-    paths = list(dict.fromkeys(split.train[:, 0].tolist()))[:n_paths]
+    paths = list(dict.fromkeys(split.train[:, 0].tolist()))
+    if not 1 <= n_paths <= len(paths):
+        raise SystemExit(f"--paths: 1 to {len(paths)} teach here (got {n_paths})")
+    paths = paths[:n_paths]
     validation = split.thinned(VALIDATED).validation
     train = split.train[np.isin(split.train[:, 0], paths)]
     train = train[(train[:, 1] + 1) % every == 0]
@@ -82,7 +86,10 @@ def measured(
 ) -> dict[str, Any]:
     """Return errors of a model taught by a part, from its file if there is one."""
     n_paths = len(np.unique(split.train[:, 0]))
-    name = f"{model}-{n_paths}-{given.minutes:g}-{seed}"
+    data = (store.content_hash(), split.train.tolist(), split.test.tolist())
+    asked = json.dumps([*data, given.options, given.minutes])
+    digest = hashlib.sha256(asked.encode()).hexdigest()[:8]  # of all that decides it
+    name = f"{model}-{n_paths}-{seed}-{digest}"
     file = given.out / f"{name}.json"
     if not file.exists():
         row = made(store, split, model, seed, given, given.out / name)

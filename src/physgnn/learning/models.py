@@ -62,8 +62,10 @@ EARLIER_OPTIONS: Mapping[str, str] = {
 }
 """What options of the methods above were called before, and are now."""
 
-OPTIONS_BEFORE: Mapping[str, Mapping[str, Any]] = {"lifted": {"response_modes": 0}}
-"""Options that came later: what records of before are like."""
+OPTIONS_BEFORE: Mapping[str, Mapping[str, Any]] = {
+    "lifted": {"response_modes": 0, "pod_modes": 16},
+}
+"""Options that came later or had another default: what records without them mean."""
 
 
 def method_name(name: str) -> str:
@@ -96,7 +98,7 @@ def method_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def recorded_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the options of a record, and those that it is too old to have."""
+    """Return a record's options, and what leaving one out meant when it was written."""
     before = OPTIONS_BEFORE.get(method_name(name), {})
     return {**before, **method_options(name, options)}
 

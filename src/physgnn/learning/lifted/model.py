@@ -177,7 +177,6 @@ class LiftedModel(Network):
         self.responses.copy_(torch.from_numpy(found))
         self.loaded[:] = False
         self.loaded[torch.from_numpy(free)] = True
-        self._acting = None
 
     @property
     def _has_responses(self) -> bool:
@@ -195,7 +194,9 @@ class LiftedModel(Network):
             for model in (self, other)
         ]
         if shapes[0] != shapes[1]:
-            raise InputError("width and layers must be those of the other network")
+            raise InputError(
+                "width, layers and response_modes must be those of the other network"
+            )
         self.local = other.local
 
     def transfer(self, trained: Self, forces: FloatArray) -> None:
@@ -263,10 +264,9 @@ class LiftedModel(Network):
         if self._has_responses:
             correction = correction + self._response(pushed, patch)
         if self.coefficients is not None:
-            projected = products(
-                torch.stack([first, second, correction], 1), self.modes
-            )
-            shares = self.coefficients(projected / self.mode_scale)
+            fields = torch.stack([first, second, correction], dim=1)
+            projected = products(fields, self.modes) / self.mode_scale
+            shares = self.coefficients(projected)
             correction = correction + torch.tensordot(shares, self.modes, dims=1)
         displacement: Tensor = (expanded + self.free * scale * correction) @ self.axes
         return displacement

@@ -59,7 +59,7 @@ class Checkpoint:
     def _config(self) -> dict[str, Any]:
         """The record's, with all options, so that no later default changes them."""
         config = self.record["config"]
-        options = resolved_options(config["model"], config["options"])
+        options = resolved_options(config["model"], config.get("options", {}))
         return {**config, "options": options}
 
     def save(self, run: str | Path) -> None:

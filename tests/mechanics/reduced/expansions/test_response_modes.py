@@ -80,6 +80,32 @@ def test_error_in_energy_falls_with_their_number(
     assert captured[-1] < 1 + 1e-9
 
 
+@pytest.mark.parametrize("dense", [0, 100])
+@pytest.mark.parametrize("noise", [1e-5, 1e-2])
+def test_rounding_leaves_fewer_and_no_nonsense(
+    block: TetMesh,
+    solve: Callable,
+    dense: int,
+    noise: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """K⁻¹ comes in single precision, and nearly incompressible bodies cost digits."""
+    monkeypatch.setattr(module, "DENSE", dense)
+    rng = np.random.default_rng(0)
+
+    def rounded(forces: np.ndarray) -> np.ndarray:
+        exact = solve(forces)
+        return exact + noise * np.abs(exact).max() * rng.standard_normal(exact.shape)
+
+    nodes = block.point_set("loaded")
+    modes = softest_responses(rounded, nodes, block.n_points, 12)
+    assert np.isfinite(modes).all()
+    forces = forces_on(block, nodes, 5)
+    shares = np.einsum("mni,kni->km", modes, forces)
+    work = (forces * solve(forces)).sum()
+    assert (shares**2).sum() < (1 + 50 * noise) * work
+
+
 def test_without_points_to_load_there_are_none(block: TetMesh, solve: Callable) -> None:
     none = np.array([], dtype=np.int64)
     assert (softest_responses(solve, none, block.n_points, 3) == 0).all()

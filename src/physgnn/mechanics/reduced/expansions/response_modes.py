@@ -13,13 +13,14 @@ In component mode synthesis they are called attachment modes, ordered by softnes
 from collections.abc import Callable
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, eigsh
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from physgnn.arrays import FloatArray, IntArray
 
 TOLERANCE = (
     1e-6  # of the eigenvalues; single precision, in which K⁻¹ comes, has no more
 )
+SMALLEST = 1e-6  # of the largest eigenvalue: below it is rounding, of either sign
 DENSE = 3  # G is made whole if it has at most so many rows a mode: that is as fast
 
 
@@ -45,11 +46,12 @@ def softest_responses(
     Returns
     -------
     (n_modes, n_points, 3) array
-        Softest first, mm / √(N mm); zero where there are fewer.
+        Softest first, mm / √(N mm); zero where there are fewer, or where rounding
+        leaves no more.
     """
     modes = np.zeros((n_modes, n_points, 3))
-    found = min(n_modes, 3 * len(nodes))
-    if found == 0:
+    wanted = min(n_modes, 3 * len(nodes))
+    if wanted == 0:
         return modes
 
     def on_points(forces: FloatArray) -> FloatArray:
@@ -57,8 +59,9 @@ def softest_responses(
         field[:, nodes] = forces.reshape(len(forces), -1, 3)
         return field
 
-    softness, forces = _softest(solve, on_points, nodes, found)
-    modes[:found] = solve(on_points(forces / np.sqrt(softness)[:, None]))
+    softness, forces = _softest(solve, on_points, nodes, wanted)
+    if len(softness):
+        modes[: len(softness)] = solve(on_points(forces / np.sqrt(softness)[:, None]))
     return modes
 
 
@@ -80,6 +83,10 @@ def _softest(
     else:
         start = np.random.default_rng(0).standard_normal(n)  # the same every time
         matrix = LinearOperator((n, n), lambda v: flexibility(v.reshape(1, n))[0])
-        values, vectors = eigsh(matrix, k=n_modes, v0=start, tol=TOLERANCE)
+        try:
+            values, vectors = eigsh(matrix, k=n_modes, v0=start, tol=TOLERANCE)
+        except ArpackNoConvergence as some:  # as many as rounding lets converge
+            values, vectors = some.eigenvalues, some.eigenvectors
     softest = np.argsort(values)[::-1][:n_modes]
+    softest = softest[values[softest] > SMALLEST * values.max(initial=0.0)]
     return values[softest], vectors[:, softest].T
