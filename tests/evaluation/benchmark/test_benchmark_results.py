@@ -263,3 +263,14 @@ def test_no_line_of_the_page_begins_with_a_plus_a_bullet() -> None:
         lines = _prose(text, "  ").splitlines()
         assert not any(line.lstrip().startswith("+") for line in lines)
         assert " ".join(line.strip() for line in lines) == text
+
+
+def test_the_page_says_the_command_with_the_minutes_that_networks_had() -> None:
+    rows = [result("lifted", 0.1), result("physgnn", 0.2)]
+    command = "physgnn benchmark --task dataset-2-paths --method all --size tiny"
+    assert f"{command} -o results/" in page(rows, "c.svg", "")
+    rows = [
+        replace(row, identity=replace(row.identity, processor_minutes=2.5))
+        for row in rows
+    ]
+    assert f"{command} --minutes 2.5 -o results/" in page(rows, "c.svg", "")

@@ -21,7 +21,6 @@ from physgnn.geometry.meshing.cell_quality import radius_edge_ratio
 from physgnn.geometry.meshing.tetrahedra import (
     TETGEN,
     TETWILD,
-    _mesh_near,
     record,
 )
 
@@ -102,31 +101,6 @@ def test_unreachable_target_is_said(sphere) -> None:  # type: ignore[no-untyped-
         sphere(20.0, refinements=4), target_points=1000, log=lines.append
     )
     assert f"{found.n_points} points is the nearest to 1000" in lines[-1]
-
-
-class Sized:
-    """A mesh of which only the size matters."""
-
-    def __init__(self, on_surfaces: int, volume: float) -> None:
-        self.n_points = int(on_surfaces + 2e5 / volume)
-
-
-@pytest.mark.parametrize(
-    ("target", "on_surfaces", "runs"), [(5000, 3000, 2), (5000, 6000, 1)]
-)
-def test_a_search_knows_how_many_points_lie_on_the_surfaces(
-    target: int, on_surfaces: int, runs: int
-) -> None:
-    volumes: list[float] = []
-
-    def mesh(volume: float) -> Sized:
-        volumes.append(volume)
-        return Sized(on_surfaces, volume)
-
-    found = _mesh_near(target, mesh, 400.0 / 3, 0.01, on_surfaces=on_surfaces)  # type: ignore[arg-type]
-    assert len(volumes) == runs
-    if runs > 1:
-        assert found.n_points == pytest.approx(target, rel=0.01)
 
 
 def test_the_record_says_whether_another_run_gives_the_same_mesh() -> None:

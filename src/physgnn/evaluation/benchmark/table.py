@@ -1,9 +1,9 @@
 """Results as a page of Markdown: who loses first, then a table a task."""
 
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
-from physgnn.evaluation.benchmark.methods import REPAIRED, TOLD_MORE
+from physgnn.evaluation.benchmark.methods import MINUTES, REPAIRED, TOLD_MORE
 from physgnn.evaluation.benchmark.result import (
     FAILED,
     MEASURED,
@@ -91,13 +91,23 @@ def ranked(
     return sorted(found, key=lambda each: each[1].mean)
 
 
-def _commands(groups: Iterable[tuple[str, str]], command: str) -> str:
+def _commands(
+    groups: dict[tuple[str, str], list[BenchmarkResult]], command: str
+) -> str:
     lines = [
         f"physgnn benchmark --task {task} --method all --size {size}"
-        f"{' --data data/' if size == 'full' else ''} -o results/"
-        for task, size in groups
+        f"{' --data data/' if size == 'full' else ''}{_budget(rows)} -o results/"
+        for (task, size), rows in groups.items()
     ]
     return "\n".join(["```bash", *lines, command, "```"])
+
+
+def _budget(rows: Sequence[BenchmarkResult]) -> str:
+    """Return the option that gives networks their minutes; empty if by default."""
+    budgets = (row.identity.processor_minutes for row in rows)
+    allowed = {budget for budget in budgets if budget is not None}
+    others = allowed - {MINUTES[rows[0].identity.size]}
+    return f" --minutes {max(others):g}" if others else ""
 
 
 def _losses(groups: dict[tuple[str, str], list[BenchmarkResult]]) -> Iterator[str]:

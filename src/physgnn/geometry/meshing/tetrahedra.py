@@ -14,17 +14,19 @@ import numpy as np
 from physgnn.errors import InputError
 from physgnn.geometry.cell_checks import CELL_FACES
 from physgnn.geometry.meshing import tetgen_process
+from physgnn.geometry.meshing.target_points import (
+    TARGET_RUNS,
+    Target,
+    mesh_from_coarser,
+    mesh_near,
+)
 from physgnn.geometry.meshing.tetwild import edge_of, mesh_by_tetwild
 from physgnn.geometry.surface import FaceArray, Surface, edge_lengths, merge, volume
 from physgnn.geometry.tetmesh import TetMesh
 
 TETGEN, TETWILD = "tetgen", "tetwild"
-TARGET_RANGE = (1_000, 200_000)
 # fTetWild takes twenty seconds where TetGen takes one
 TARGET_TOLERANCE = {TETGEN: 0.05, TETWILD: 0.1}
-TARGET_RUNS = 6
-# Of the tolerance: larger cells change no more, the surfaces set the number.
-SATURATED = 0.2
 # What fTetWild takes for a point, ms on one thread: even surfaces, and surfaces much
 # finer than the cells.
 TETWILD_MS = (1.0, 10.0)
@@ -91,18 +93,15 @@ def tetrahedralize(
     if target_points is not None:
         first = _first_volume(chosen, brain, complex_, target_points)
         tolerance = TARGET_TOLERANCE[chosen]
-        # TetGen is fast, and published meshes come from the plain search
-        on_surfaces = complex_.n_points if chosen == TETWILD else 0
         if chosen == TETWILD:
+            on_surfaces = complex_.n_points
             log(_expected_seconds(max(target_points, on_surfaces)))
-        found = _mesh_near(
-            target_points, mesh, first, tolerance, on_surfaces=on_surfaces
-        )
+            target = Target(target_points, first, tolerance, on_surfaces)
+            found = mesh_from_coarser(target, mesh)
+        else:  # fast, and published meshes come from the plain search
+            found = mesh_near(Target(target_points, first, tolerance), mesh)
         if abs(np.log(found.n_points / target_points)) > tolerance:
-            log(
-                f"{found.n_points} points is the nearest to {target_points} found: the "
-                f"{complex_.n_points} points of the surfaces are kept"
-            )
+            log(_nearest(found, target_points, complex_, chosen))
         return found
     if max_volume_mm3 is None:
         return mesh(paper_max_volume(complex_))
@@ -152,6 +151,14 @@ def record(mesher: str) -> str:
         TETWILD: ("another run gives other points", "pytetwild"),
     }[mesher]
     return f"{NAMES[mesher]} (package {package} {version(package)}); {again}"
+
+
+def _nearest(found: TetMesh, wanted: int, surfaces: Surface, mesher: str) -> str:
+    reason = "are kept" if mesher == TETGEN else "ask for theirs"
+    return (
+        f"{found.n_points} points is the nearest to {wanted} found: the "
+        f"{surfaces.n_points} points of the surfaces {reason}"
+    )
 
 
 def _expected_seconds(n_points: int) -> str:
@@ -232,41 +239,3 @@ def _regions(cells: FaceArray, attribute: FaceArray) -> FaceArray:
     _, first, count = np.unique(faces, axis=0, return_index=True, return_counts=True)
     outer = np.unique(attribute[first[count == 1] // 4])
     return (~np.isin(attribute, outer)).astype(np.int32)
-
-
-def _mesh_near(
-    target: int,
-    mesh: Callable[[float], TetMesh],
-    first_volume: float,
-    tolerance: float,
-    *,
-    on_surfaces: int,
-) -> TetMesh:
-    """Return the mesh nearest to a number of points within a few runs.
-
-    Points inside grow as 1/volume, those on the surfaces stay; then secant steps on
-    log(points) over log(volume). Where more lie on the surfaces than are wanted, the
-    first run that says so is the last.
-    """
-    low, high = TARGET_RANGE
-    if not low <= target <= high:
-        raise InputError(f"target_points must be in {low}…{high} (got {target})")
-    log_volume = np.log(first_volume)
-    tried: list[tuple[float, float, TetMesh]] = []
-    for _ in range(TARGET_RUNS):
-        found = mesh(float(np.exp(log_volume)))
-        excess = float(np.log(found.n_points / target))
-        tried.append((log_volume, excess, found))
-        if abs(excess) < tolerance or (excess > 0.0 and target <= on_surfaces):
-            break
-        if len(tried) > 1:
-            (x0, y0, _), (x1, y1, _) = tried[-2:]
-            if abs(y1 - y0) < SATURATED * tolerance:
-                break
-            step = -excess / min((y1 - y0) / (x1 - x0), -0.1)
-        elif min(found.n_points, target) > on_surfaces:
-            step = np.log((found.n_points - on_surfaces) / (target - on_surfaces))
-        else:
-            step = excess
-        log_volume += np.clip(step, -4.0, 4.0)
-    return min(tried, key=lambda run: abs(run[1]))[2]
