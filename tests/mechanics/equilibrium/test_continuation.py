@@ -3,7 +3,9 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
+from physgnn.mechanics.equilibrium import continuation
 from physgnn.mechanics.equilibrium.continuation import PathFollower
 from physgnn.mechanics.equilibrium.quasi_newton import Equilibrium
 from physgnn.mechanics.equilibrium.solution import Status
@@ -17,6 +19,7 @@ class OnlyShortSteps:
     def __init__(self, longest: float, *, else_astray: bool = False) -> None:
         self.longest, self.reached, self.tried = longest, 0.0, []
         self.else_astray = else_astray
+        self.factorised, self.part_is_positive = "", True
 
     def solve(self, start, load_factor, **_):
         self.tried.append(load_factor)
@@ -32,7 +35,12 @@ class OnlyShortSteps:
         return (load_factor + 0.05 * load_factor**2) * np.ones(3)
 
     def refactorize(self, *_):
+        self.factorised += "whole "
         return True
+
+    def renew_part(self, *_):
+        self.factorised += "part "
+        return self.part_is_positive
 
 
 def walk(iteration, targets, **options):
@@ -81,3 +89,18 @@ def test_where_only_another_equilibrium_is_found_the_path_has_ended():
     (found,), follower = walk(iteration, [1.0], min_step=1e-3)
     assert found.status == Status.LIMIT_POINT
     assert follower.reached == 0.0
+
+
+@pytest.mark.parametrize(
+    ("large_from", "part_is_positive", "factorised"),
+    [(4, True, "whole "), (3, True, "part "), (3, False, "part whole ")],
+)
+def test_of_a_large_body_only_a_part_is_factorised_after_a_step_that_failed(
+    large_from, part_is_positive, factorised, monkeypatch
+):
+    monkeypatch.setattr(continuation, "PART_FROM_UNKNOWNS", large_from)
+    iteration = OnlyShortSteps(0.6)
+    iteration.part_is_positive = part_is_positive
+    (found,), _ = walk(iteration, [1.0], min_step=1e-3)
+    assert found.status == Status.CONVERGED
+    assert iteration.factorised == factorised

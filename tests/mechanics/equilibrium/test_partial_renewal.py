@@ -5,7 +5,7 @@ import pytest
 
 from physgnn.mechanics import LoadPath, NeoHookean, Solver, SolverOptions, Status
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.equilibrium import quasi_newton
+from physgnn.mechanics.equilibrium import continuation, quasi_newton
 from physgnn.mechanics.equilibrium.full_newton import Newton
 from physgnn.mechanics.equilibrium.partial_renewal import PART, most_deformed
 
@@ -17,6 +17,7 @@ FACTORS = np.arange(1, 11) / 10
 def in_parts(monkeypatch):
     """Also a small body's factor is renewed in parts."""
     monkeypatch.setattr(quasi_newton, "LEAST_UNKNOWNS", 0)
+    monkeypatch.setattr(continuation, "PART_FROM_UNKNOWNS", 0)
 
 
 def pull(block, total_n):

@@ -16,6 +16,8 @@ from physgnn.mechanics.linear.protocols import Factor
 PART = 0.1  # of the free points; 0.05 and 0.2 took as long or longer on 10,000
 # Smaller bodies are factorised whole in the time of a few back-solves.
 LEAST_UNKNOWNS = 10_000
+PATIENCE = 8  # steps with one factor: a new one costs about 20
+PATIENCE_WITH_PART = 3  # a part's costs about 4
 
 
 class PartialRenewal:
@@ -88,3 +90,19 @@ def most_deformed(elements: Elements, free: IntArray, change: FloatArray) -> Int
     n_chosen = max(1, int(PART * len(free)))
     order = np.argsort(-largest[free], kind="stable")
     return np.sort(free[order[:n_chosen]])
+
+
+def worn_out(size: float, previous: float, since_factor: int, *, partial: bool) -> bool:
+    """Whether a new factor, of a part or of all, is cheaper than going on.
+
+    Parameters
+    ----------
+    size, previous : float
+        Largest displacements of this step and the one before, mm.
+    since_factor : int
+        Steps with the present factor.
+    partial : bool
+        Whether a part's would do.
+    """
+    patience, least = (PATIENCE_WITH_PART, 2) if partial else (PATIENCE, 3)
+    return since_factor >= patience or (since_factor >= least and size > previous)

@@ -21,6 +21,7 @@ from physgnn.mechanics.equilibrium.norms import dot, largest_norm, norm
 from physgnn.mechanics.equilibrium.partial_renewal import (
     LEAST_UNKNOWNS,
     PartialRenewal,
+    worn_out,
 )
 from physgnn.mechanics.equilibrium.solution import Status
 from physgnn.mechanics.linear.protocols import Factor, LinearSolver
@@ -28,8 +29,6 @@ from physgnn.mechanics.loads.external_force import Loading
 
 MAX_PAIRS = 12
 MAX_TRIALS = 12
-PATIENCE = 8  # steps with one factor: a new one costs about 20
-PATIENCE_WITH_PART = 3  # a part's costs about 4
 OVERSHOT = 1.0  # a step too long: it is pulled back harder than it was pulled
 # What a step with the factor of the very state leaves of the error. Seen were 0.04 of
 # steps of 0.05 mm, less than 0.01 of those below 0.02 mm; tolerances are far smaller.
@@ -162,12 +161,25 @@ class QuasiNewton:
         if len(state) < LEAST_UNKNOWNS:
             return False
         self._part, self._factor_at = None, factor_at
-        return self._renew_part(state, 1.0, factor)
+        return self.renew_part(state, 1.0, factor)
 
-    def _renew_part(
+    def renew_part(
         self, state: FloatArray, load_factor: float, whole: Factor | None = None
     ) -> bool:
-        """Bring the factor up to date where the body has deformed most since."""
+        """Bring the factor up to date where the body has deformed most since.
+
+        Parameters
+        ----------
+        state : (n_unknowns,) array
+        load_factor : float
+        whole : Factor, optional
+            Of an earlier state, in place of the iteration's own.
+
+        Returns
+        -------
+        bool
+            False if K is not positive definite there.
+        """
         u = self.displacement(state, load_factor)
         self.counts["partial_renewals"] += 1
         self._pairs.clear()
@@ -233,9 +245,9 @@ class QuasiNewton:
                 return Equilibrium(state, Status.CONVERGED, norm(r))
             since_factor += 1
             fresh = False
-            if _worn_out(size, previous, since_factor, partial=partial):
+            if worn_out(size, previous, since_factor, partial=partial):
                 fresh = not partial
-                renew = self.refactorize if fresh else self._renew_part
+                renew = self.refactorize if fresh else self.renew_part
                 if not renew(state, load_factor):
                     return Equilibrium(state, Status.LIMIT_POINT, norm(r))
                 size, since_factor, partial = np.inf if fresh else size, 0, False
@@ -285,11 +297,3 @@ class QuasiNewton:
         slower = max(contraction, self._contraction, 0.4)
         self._contraction = contraction if np.isfinite(previous) else slower
         return 2 * size * slower / (1 - slower)
-
-
-def _worn_out(
-    size: float, previous: float, since_factor: int, *, partial: bool
-) -> bool:
-    """Whether a new factor, of a part or of all, is cheaper than going on."""
-    patience, least = (PATIENCE_WITH_PART, 2) if partial else (PATIENCE, 3)
-    return since_factor >= patience or (since_factor >= least and size > previous)
