@@ -1,6 +1,6 @@
 """``python -m physgnn`` is the command ``physgnn``."""
 
-from physgnn.cli import main
+from physgnn.cli import command
 
 if __name__ == "__main__":
-    main()
+    command()

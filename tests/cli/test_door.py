@@ -17,7 +17,7 @@ from physgnn.geometry.image import Image
 from physgnn.io import read_mesh, write_prediction
 from physgnn.io.medical.images.formats import write_image
 
-MAIN = "from physgnn.cli import main; main()"
+MAIN = "from physgnn.cli import command; command()"
 WAIT = 120.0
 ENDED = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
@@ -70,6 +70,32 @@ def stub(tmp_path: Path, name: str, text: str) -> str:
     return os.pathsep.join([str(folder), *sys.path])
 
 
+def test_it_ends_with_what_was_to_be_done_at_the_end_but_without_freeing_all(
+    tmp_path: Path,
+) -> None:
+    program = """
+import atexit, pathlib, threading, time, physgnn.cli.app as app
+class Kept:
+    def __del__(self):
+        print("freed")
+def end():
+    time.sleep(0.5)
+    print("thread")
+def run():
+    app.kept = Kept()
+    atexit.register(print, "at exit")
+    threading.Thread(target=end).start()
+    print("run")
+    return 3
+app.run = run
+from physgnn.cli import command
+command()
+"""
+    process = Started(tmp_path, program=program).process
+    assert process.communicate(timeout=WAIT) == ("run\nthread\nat exit\n", "")
+    assert process.returncode == 3
+
+
 @pytest.mark.parametrize("number", ENDED)
 def test_a_signal_during_start_up(tmp_path: Path, number: int) -> None:
     slow = stub(
@@ -99,8 +125,8 @@ def run():
     except BaseException as error:
         raise ImportError("multiarray failed to import") from error
 app.run = run
-from physgnn.cli import main
-main()
+from physgnn.cli import command
+command()
 """
     started = Started(tmp_path, program=program)
     started.until((tmp_path / "here").exists)
@@ -120,8 +146,8 @@ def run():
     del one
     time.sleep(60)
 app.run = run
-from physgnn.cli import main
-main()
+from physgnn.cli import command
+command()
 """
     started = Started(tmp_path, program=program)
     started.until((tmp_path / "here").exists)
@@ -141,8 +167,8 @@ def run():
     pathlib.Path("here").touch()
     time.sleep(60)
 app.run = run
-from physgnn.cli import main
-main()
+from physgnn.cli import command
+command()
 """
     started = Started(tmp_path, program=program)
     started.until((tmp_path / "here").exists)
@@ -159,8 +185,8 @@ def run():
     pathlib.Path("here").touch()
     time.sleep(60)
 app.run = run
-from physgnn.cli import main
-main()
+from physgnn.cli import command
+command()
 """
     started = Started(tmp_path, program=program)
     started.until((tmp_path / "here").exists)
@@ -181,8 +207,8 @@ def run():
         if pathlib.Path("done").exists():
             return 0
 app.run = run
-from physgnn.cli import main
-main()
+from physgnn.cli import command
+command()
 """
     started = Started(tmp_path, program=program, LOCAL_RANK="1")
     started.until((tmp_path / "here").exists)
@@ -228,8 +254,8 @@ def slow(part, path):
         time.sleep(60)
     return replace(part, path)
 pathlib.Path.replace = slow
-from physgnn.cli import main
-main()
+from physgnn.cli import command
+command()
 """
 
 
@@ -271,8 +297,8 @@ def run():
     pathlib.Path("here").touch()
     time.sleep(60)
 app.run = run
-from physgnn.cli import main
-main()
+from physgnn.cli import command
+command()
 """
     started = Started(tmp_path, program=program)
     started.until((tmp_path / "here").exists)
@@ -285,8 +311,8 @@ import physgnn.cli.app as app
 def run():
     raise KeyError("one\\ntwo")
 app.run = run
-from physgnn.cli import main
-main()
+from physgnn.cli import command
+command()
 """
     started = Started(tmp_path, "a b", program=program)
     out, err = started.process.communicate(timeout=WAIT)
@@ -316,8 +342,8 @@ import physgnn.cli.app as app
 def run():
     raise {raises}
 app.run = run
-from physgnn.cli import main
-main()
+from physgnn.cli import command
+command()
 """
     started = Started(tmp_path, program=program)
     _, err = started.process.communicate(timeout=WAIT)

@@ -38,7 +38,7 @@ paths = {paths}
 levels = 3
 seed = 1
 """
-PHYSGNN = (sys.executable, "-c", "from physgnn.cli import main; main()")
+PHYSGNN = (sys.executable, "-c", "from physgnn.cli import command; command()")
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from websockets.asyncio.client import connect
 
 from physgnn.serving.protocol.frames import decode
 
-PROGRAM = "from physgnn.cli import main; main()"
+PROGRAM = "from physgnn.cli import command; command()"
 WARM_UP = 0.2  # of the time: caches fill
 MOST_GROWTH = 1.25
 BAD = ('{"type": "eval"}', "[" * 100, '{"type": "section", "axis": "x"}', "")

@@ -1,5 +1,5 @@
 """The command line: parse, call, print."""
 
-from physgnn.cli.door import main
+from physgnn.cli.door import command, main
 
-__all__ = ["main"]
+__all__ = ["command", "main"]

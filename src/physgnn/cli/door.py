@@ -5,6 +5,7 @@ that cannot be read or written. 3: done, but the status says not to rely on the 
 130 and 143: Ctrl-C and SIGTERM. Nothing heavy is imported before `main` guards it.
 """
 
+import atexit
 import os
 import signal
 import sys
@@ -16,6 +17,33 @@ FAILED, WRONG_INPUT = 1, 2
 # Python's tracker of shared memory cleans up after a process that a signal ended, and
 # says so, after our last line, unless a warning filter that it inherits says not to.
 OF_THE_TRACKER = "ignore:resource_tracker:UserWarning"
+
+
+def command(module: str = "physgnn.cli.app") -> None:
+    """Run `main` as a program of its own, which ends without taking itself apart.
+
+    Python frees every object of every module before it ends, which takes most of a
+    second where PyTorch was imported. What was registered to be done at the end is
+    done, and threads are waited for, as ever.
+    """
+    ended: list[int] = []
+    atexit.register(_leave, ended)  # the first that is registered is the last to run
+    try:
+        main(module)
+    except SystemExit as error:
+        if isinstance(error.code, int):
+            ended.append(error.code)
+        raise
+
+
+def _leave(ended: list[int]) -> None:
+    """Leave with an exit code, if there is one."""
+    if not ended:
+        return
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):  # closed, or nobody reads
+            stream.flush()
+    os._exit(ended[0])
 
 
 def main(module: str = "physgnn.cli.app") -> None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import escape
 
 from physgnn.cli.console import say
-from physgnn.cli.door import main
+from physgnn.cli.door import command
 from physgnn.errors import InputError
 
 if TYPE_CHECKING:
@@ -148,4 +148,4 @@ def _write_results(file: str | None, results: Mapping[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    main("physgnn.cli.slicer_launcher")
+    command("physgnn.cli.slicer_launcher")

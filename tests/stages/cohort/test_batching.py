@@ -242,7 +242,7 @@ def test_a_row_needs_a_stage_that_there_is() -> None:
 def test_ctrl_c_leaves_whole_files_and_a_table(cohort: Path) -> None:
     lines = [f"P{i},block.vtu,moved.csv,0.5,t1.nii.gz," for i in range(30)]
     table = write_table(cohort, *lines)
-    code = "from physgnn.cli import main; main()"
+    code = "from physgnn.cli import command; command()"
     command = [sys.executable, "-c", code, "batch", str(table), "-o", "out"]
     with subprocess.Popen(command, cwd=cohort, stderr=subprocess.PIPE) as process:
         while not (cohort / "out" / "results.csv").exists():

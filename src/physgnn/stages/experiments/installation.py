@@ -39,7 +39,7 @@ paths = 40
 levels = 3
 nodes_per_path = 3
 """
-SIMULATE = "import sys; from physgnn.cli import main; main()"
+SIMULATE = "import sys; from physgnn.cli import command; command()"
 
 
 @dataclass(frozen=True)
