@@ -20,6 +20,7 @@ every surrogate owes.
 
 import copy
 from abc import abstractmethod
+from typing import Self
 
 import numpy as np
 import torch
@@ -85,6 +86,18 @@ class Network(nn.Module, Surrogate):
             f"{type(self).__name__} learns from one body: give one dataset, or train "
             "model lifted with pod_modes = 0"
         )
+
+    def transfer(self, trained: Self, forces: FloatArray) -> None:
+        """Take the weights, if they serve any body: then all that was learnt is there.
+
+        Raises
+        ------
+        InputError
+            If what the network learns belongs to one body.
+        """
+        if type(self).share_weights is Network.share_weights:
+            super().transfer(trained, forces)
+        self.share_weights(trained)
 
     def own_weights(self) -> None:
         """Copy shared weights, to train them without changing the other network's."""

@@ -36,9 +36,9 @@ def adapt(
     run: Annotated[
         Path | None,
         typer.Argument(
-            help="The folder of a lifted network without pod_modes, or of a "
-            "cnn; by default, and as bundled-family, the one that comes with the "
-            "package."
+            help="The folder of a network whose weights serve any body: of "
+            "lifted without pod_modes, meshgraphnet, transolver or cnn; by "
+            "default, and as bundled-family, the one that comes with the package."
         ),
     ] = None,
     case: Annotated[

@@ -7,8 +7,6 @@ in cells of the grid, which is laid about the body: where a body is and how larg
 changes nothing.
 """
 
-from typing import Self
-
 import numpy as np
 import torch
 from torch import Tensor
@@ -26,6 +24,7 @@ from physgnn.learning.grid_networks.known_surface import (
 )
 from physgnn.learning.grid_networks.unet import UNet
 from physgnn.learning.network import Network
+from physgnn.learning.shared_weights import part_of_another
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.observed import ObservedLoadCase
@@ -150,15 +149,5 @@ class CNNModel(Network):
         """Take another body's network's weights for one's own, in training too."""
         if not isinstance(other, CNNModel):
             raise InputError("a cnn takes the weights of another cnn")
-        shapes = [
-            [tuple(weight.shape) for weight in model.network.parameters()]
-            for model in (self, other)
-        ]
-        if shapes[0] != shapes[1]:
-            raise InputError("width and levels must be those of the other network")
-        self.network = other.network
-
-    def transfer(self, trained: Self, forces: FloatArray) -> None:
-        """Take the weights: all that was learnt is in them."""
-        del forces
-        self.share_weights(trained)
+        sizes = "width and levels"
+        self.network = part_of_another(self.network, other.network, sizes)

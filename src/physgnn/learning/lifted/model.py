@@ -23,6 +23,7 @@ from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
 from physgnn.learning.lifted.own_axes import body_axes, turned
 from physgnn.learning.lifted.pod_modes import fitted_modes, products, size
 from physgnn.learning.network import Network
+from physgnn.learning.shared_weights import part_of_another
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import internal_force
@@ -189,15 +190,8 @@ class LiftedModel(Network):
                 "only the local part of a lifted network may serve several bodies: "
                 "train model lifted with pod_modes = 0"
             )
-        shapes = [
-            [tuple(weight.shape) for weight in model.local.parameters()]
-            for model in (self, other)
-        ]
-        if shapes[0] != shapes[1]:
-            raise InputError(
-                "width, layers and response_modes must be those of the other network"
-            )
-        self.local = other.local
+        sizes = "width, layers and response_modes"
+        self.local = part_of_another(self.local, other.local, sizes)
 
     def transfer(self, trained: Self, forces: FloatArray) -> None:
         """Take the weights; find anchors of one's own, under loads to be expected."""

@@ -6,10 +6,13 @@ from torch import Tensor
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.dataset.storage.store import Store
+from physgnn.errors import InputError
 from physgnn.learning.graph import Graph, as_float32, graph_of
 from physgnn.learning.mesh_networks.meshgraphnet import MeshGraphNet
 from physgnn.learning.mesh_networks.node_inputs import N_INPUTS, NodeInputs
 from physgnn.learning.network import Network
+from physgnn.learning.shared_weights import part_of_another
+from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadCase
 
@@ -51,6 +54,14 @@ class MeshGraphNetModel(Network):
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:
         """Return displacement in mm, (batch, n_points, 3)."""
         return self.inputs.displacement(self.network(inputs, self.edge_inputs, graph))
+
+    def share_weights(self, other: Surrogate) -> None:
+        """Take another body's network's weights for one's own, and its units."""
+        if not isinstance(other, MeshGraphNetModel):
+            raise InputError("a meshgraphnet takes the weights of another meshgraphnet")
+        sizes = "width and steps"
+        self.network = part_of_another(self.network, other.network, sizes)
+        self.inputs.share_units(other.inputs)
 
     def spare_memory(self, spare: bool) -> None:
         """Keep no message for the backward pass and compute each twice, or keep all."""

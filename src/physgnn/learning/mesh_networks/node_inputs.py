@@ -37,9 +37,23 @@ class NodeInputs(nn.Module):
         self._kinds = as_float32(kinds)
         free = as_float32(1.0 - kinds[:, :1])
         self.register_buffer("free", free, persistent=False)  # 0 where held
+        self._of_another = False
+
+    def share_units(self, other: "NodeInputs") -> None:
+        """Have the units of another body's inputs, also when they change."""
+        self.force_unit, self.displacement_unit = (
+            other.force_unit,
+            other.displacement_unit,
+        )
+        self._of_another = True
 
     def fit(self, store: Store, samples: IntArray) -> None:
-        """Take the root mean squares of loaded points' forces and of displacements."""
+        """Take the root mean squares of loaded points' forces and of displacements.
+
+        Not if the units are another's: weights know those alone.
+        """
+        if self._of_another:
+            return
         forces, displacements = [], []
         for path in np.unique(samples[:, 0]):
             levels = samples[samples[:, 0] == path, 1]

@@ -10,6 +10,8 @@ from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.mesh_networks.node_inputs import N_INPUTS, NodeInputs
 from physgnn.learning.mesh_networks.transolver import Transolver
 from physgnn.learning.network import Network
+from physgnn.learning.shared_weights import part_of_another
+from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.loads.paths import LoadCase
 
@@ -45,8 +47,8 @@ class TransolverModel(Network):
         super().__init__(body)
         if width % heads:
             raise InputError(f"heads must divide width {width} (got {heads})")
-        points = body.mesh.points
-        places = as_float32((points - points.mean(axis=0)) / points.std())
+        from_centre = body.mesh.points - body.mesh.points.mean(axis=0)
+        places = as_float32(from_centre / from_centre.std())
         self.register_buffer("places", places, persistent=False)
         self.inputs = NodeInputs(body)
         self.network = Transolver(
@@ -67,3 +69,11 @@ class TransolverModel(Network):
         graph.check_rows(inputs)
         places = self.places.expand(len(inputs), -1, -1)
         return self.inputs.displacement(self.network(torch.cat([inputs, places], -1)))
+
+    def share_weights(self, other: Surrogate) -> None:
+        """Take another body's network's weights for one's own, and its units."""
+        if not isinstance(other, TransolverModel):
+            raise InputError("a transolver takes the weights of another transolver")
+        sizes = "width, layers, heads and slices"
+        self.network = part_of_another(self.network, other.network, sizes)
+        self.inputs.share_units(other.inputs)

@@ -16,7 +16,8 @@ def adapt(checkpoint: Checkpoint, body: Body, forces: FloatArray) -> Checkpoint:
     Parameters
     ----------
     checkpoint : Checkpoint
-        Of a lifted network without modes: all it learnt is local and physical.
+        Of a network whose weights serve any body, such as a lifted one without POD
+        modes: all that it learnt is local and physical.
     body : Body
         Any.
     forces : (n_loads, n_points, 3) array

@@ -53,9 +53,9 @@ def adapt(
     Parameters
     ----------
     run : path or None
-        Folder of a lifted network without pod_modes, or of a cnn, best on
-        several bodies; None, or ``bundled-family`` where there is no such folder, takes
-        the one that comes with the package.
+        Folder of a network whose weights serve any body, such as a lifted one without
+        pod_modes, best trained on several; None, or ``bundled-family`` where there is
+        no such folder, takes the one that comes with the package.
     case : path
         The new patient's mesh, VTU.
     out : path
@@ -97,8 +97,8 @@ def adapt_run(
     Parameters
     ----------
     run : path
-        Folder of a lifted network without pod_modes, or of a cnn, best on
-        several bodies.
+        Folder of a network whose weights serve any body, such as a lifted one without
+        pod_modes, best trained on several.
     mesh : TetMesh
         The new patient's.
     preset : str or Preset
