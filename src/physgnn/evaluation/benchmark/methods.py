@@ -60,7 +60,7 @@ RATES: Mapping[str, float] = {
 }  # fmt: skip
 """Learning rates as their authors have them, to within a factor of ten; others have
 the default of training, PhysGNN's published one."""
-MEMORY_MB: Mapping[str, int] = {"meshgraphnet": 4096}
+MEMORY_MB: Mapping[str, int] = {"meshgraphnet": 4096, "transolver": 4096}
 """Memory of training, where the default does not hold one sample of 10,000 points."""
 TOLD_MORE: Mapping[str, str] = {
     "cnn": "is told how the surface within 30 mm of the load moved, which no other "

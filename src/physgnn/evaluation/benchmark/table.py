@@ -45,9 +45,10 @@ def page(results: Sequence[BenchmarkResult], chart: str, command: str) -> str:
             "are Euclidean distances in mm over nodes and test samples. Training is in "
             "minutes of processor time, all threads together. A prediction is the "
             "median by the wall clock, of one load at a time. Memory is how far the "
-            "process grew, at most. Other work on the machine makes its times longer: "
-            "the load average is said where it is known. This page is made by a "
-            "command from the files of the results, and nothing on it is typed by hand."
+            "process grew, at most, beyond what methods before it had left. Other work "
+            "on the machine makes its times longer: the load average is said where it "
+            "is known. This page is made by a command from the files of the results, "
+            "and nothing on it is typed by hand."
         ),
         _commands(groups, command),
         "## Where networks and registration lose",
@@ -104,10 +105,17 @@ def _commands(
 
 def _budget(rows: Sequence[BenchmarkResult]) -> str:
     """Return the option that gives networks their minutes; empty if by default."""
-    budgets = (row.identity.processor_minutes for row in rows)
-    allowed = {budget for budget in budgets if budget is not None}
-    others = allowed - {MINUTES[rows[0].identity.size]}
+    others = _minutes_allowed(rows) - {MINUTES[rows[0].identity.size]}
     return f" --minutes {max(others):g}" if others else ""
+
+
+def _minutes_allowed(rows: Sequence[BenchmarkResult]) -> set[float]:
+    """Return what networks that were trained might train, processor minutes."""
+    return {
+        row.identity.processor_minutes
+        for row in rows
+        if row.status == MEASURED and row.identity.processor_minutes is not None
+    }
 
 
 def _losses(groups: dict[tuple[str, str], list[BenchmarkResult]]) -> Iterator[str]:
@@ -206,8 +214,7 @@ def _cells(row: BenchmarkResult, errors: Distribution) -> list[str]:
 def _provenance(rows: Sequence[BenchmarkResult]) -> str:
     first = next((r for r in rows if r.status == MEASURED), rows[0])
     what, machine = first.identity, first.machine
-    given = sorted({r.identity.processor_minutes or 0.0 for r in rows} - {0.0})
-    allowed = ", ".join(f"{v:g}" for v in given)
+    allowed = ", ".join(f"{v:g}" for v in sorted(_minutes_allowed(rows)))
     return _prose(
         f"Errors over {TASKS[what.task].over}. {what.data.get('points')} points, "
         f"{what.data.get('train')} training and {what.data.get('test')} test samples; "
