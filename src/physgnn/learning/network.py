@@ -20,7 +20,7 @@ every surrogate owes.
 
 import copy
 from abc import abstractmethod
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 import torch
@@ -41,9 +41,16 @@ class Network(nn.Module, Surrogate):
     ----------
     body : Body
         What it is made for.
+
+    Attributes
+    ----------
+    useful_untrained : bool
+        Whether it is a method of its own before it has learnt. Its weights of then are
+        kept if training finds none with a lower validation loss.
     """
 
     draws = True
+    useful_untrained: ClassVar[bool] = False
 
     def __init__(self, body: Body) -> None:
         super().__init__()

@@ -10,6 +10,7 @@ import torch
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
+from physgnn.learning.lifted.model import LiftedModel
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.training import callbacks
 from physgnn.learning.training.config import TrainingConfig
@@ -43,6 +44,21 @@ def test_the_loss_falls_and_the_best_weights_are_kept(
     )
     assert told[-1][:2] == (1000, 1000)
     assert "epoch 14" in told[-1][2]
+
+
+def test_a_training_that_only_does_harm_leaves_what_the_physics_gives(
+    store: Store, split: Split, tmp_path: Path
+) -> None:
+    harmful = replace(SMALL, model="lifted", options={}, learning_rate=0.5)
+    kept = train(store, split, harmful, tmp_path / "run")
+    losses = [float(row["validation_loss"]) for row in metrics(tmp_path / "run")]
+    assert kept.record["training"]["best_validation_loss"] < min(losses)
+    path, level = split.test[0].tolist()
+    load_case = store.load_case(path, level)
+    untrained = LiftedModel(store.body)
+    untrained.fit(store, split.train)
+    expected = untrained.predict(load_case)
+    np.testing.assert_allclose(kept.model.predict(load_case), expected, atol=1e-5)
 
 
 @pytest.mark.parametrize("fraction", [1.0, 0.3])

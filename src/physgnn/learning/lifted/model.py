@@ -71,6 +71,7 @@ class LiftedModel(Network):
     """
 
     zero_without_load = True
+    useful_untrained = True  # the expansion
     axes: Tensor
     free: Tensor
     anchor_states: Tensor

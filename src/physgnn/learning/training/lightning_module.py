@@ -45,6 +45,13 @@ class TrainingModule(LightningModule):
 
     def on_fit_start(self) -> None:
         """Move the graphs, and what belongs to one body, to where the weights are."""
+        self._follow()
+
+    def on_validation_start(self) -> None:
+        """Do so before a validation that no training goes before."""
+        self._follow()
+
+    def _follow(self) -> None:
         self.graphs = tuple(graph.to(self.device) for graph in self.graphs)
         for model in self.networks:
             model.to(self.device)

@@ -35,7 +35,7 @@ class Plateau(Callback):
         if self._state:
             self._scheduler.load_state_dict(self._state)
 
-    def on_validation_end(self, trainer: Trainer, _: LightningModule) -> None:
+    def on_train_epoch_end(self, trainer: Trainer, _: LightningModule) -> None:
         """Show it the epoch's validation loss."""
         assert self._scheduler is not None
         self._scheduler.step(float(trainer.callback_metrics[VALIDATION_LOSS]))

@@ -75,8 +75,9 @@ def train(
     """Train a model on the training part of a split, and save the run.
 
     A network is trained step by step, and its weights with the lowest validation loss
-    are kept; every other surrogate is fitted in one go, and of the configuration model,
-    options, loss and seed count.
+    are kept, those it begins with among them if it is useful untrained. Every other
+    surrogate is fitted in one go, and of the configuration model, options, loss and
+    seed count.
 
     Parameters
     ----------
@@ -154,10 +155,14 @@ def train(
         at_once = _at_once(samples, config)
         stack.enter_context(only_side_by_side())
         stack.enter_context(ending_together(trainer))
+        module = TrainingModule(models, config, at_once)
+        validation = validation_batches(held_out, at_once, share)
+        if state is None and (models[0].useful_untrained or start is not None):
+            trainer.validate(module, validation, verbose=False)
         trainer.fit(
-            TrainingModule(models, config, at_once),
+            module,
             training_batches(samples, config.batch_size, config.seed, share),
-            validation_batches(held_out, at_once, share),
+            validation,
             ckpt_path=state,
             weights_only=True,
         )

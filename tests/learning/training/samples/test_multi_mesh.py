@@ -1,5 +1,6 @@
 """Several bodies trained together: batches of one body each, all weights shared."""
 
+import csv
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -133,9 +134,9 @@ def test_a_family_trains_and_its_record_names_every_mesh(
     assert trained.body.mesh.content_hash == hashes[0]
     weights = torch.cat([w.flatten() for w in trained.model.local.parameters()])  # type: ignore[union-attr]
     assert weights.isfinite().all()
-    fresh = build_models(training_meshes(stores, split_meshes(stores)), CONFIG)[0]
-    assert trained.model.local.last.weight.abs().sum() > 0  # type: ignore[union-attr]
-    assert fresh.local.last.weight.abs().sum() == 0  # type: ignore[union-attr]
+    with (run / "metrics.csv").open(newline="") as stream:
+        losses = [float(row["training_loss"]) for row in csv.DictReader(stream)]
+    assert losses[1] < losses[0]
 
 
 def test_a_run_can_begin_with_the_weights_of_another(
