@@ -28,7 +28,7 @@ from physgnn.mechanics.materials import NeoHookean
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 OPTIONS = {
     "anchors": 2, "k_hops": 2, "width": 8, "layers": 2, "pod_modes": 3,
-    "response_modes": 4, "submodel_hops": 5,
+    "response_modes": 4, "submodel_hops": 5, "any_axes": False,
 }  # fmt: skip
 
 
@@ -201,6 +201,27 @@ def test_it_learns_after_it_has_predicted(fitted: LiftedModel, store: Store) -> 
     fitted(inputs, graph_of(fitted.body)).sum().backward()
     assert fitted.local.last.weight.grad is not None
     assert fitted.local.last.weight.grad[3:].any()
+
+
+def test_along_any_axes_it_sees_others_each_time_but_only_while_it_learns(
+    block: TetMesh,
+) -> None:
+    body = body_of(slab(block))
+    usual, anyhow = (
+        with_random_weights(LiftedModel(body, **{**OPTIONS, "any_axes": drawn}))
+        for drawn in (False, True)
+    )
+    case = load_of(body.mesh)
+    assert torch.equal(predict(usual, case), predict(anyhow, case))
+    usual.train(), anyhow.train()
+    assert torch.equal(predict(usual, case), predict(usual, case))
+    first, second = predict(anyhow, case), predict(anyhow, case)
+    assert (first - second).abs().max() > 1e-4 * first.abs().max()
+    graph = graph_of(body)
+    anyhow(anyhow.encode(case)[None], graph).square().sum().backward()
+    for weight in anyhow.local.parameters():
+        assert weight.grad is not None
+        assert weight.grad.any()
 
 
 def test_runs_of_before_response_modes_have_none(

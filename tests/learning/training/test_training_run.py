@@ -2,6 +2,7 @@ import csv
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -61,12 +62,20 @@ def test_a_training_that_only_does_harm_leaves_what_the_physics_gives(
     np.testing.assert_allclose(kept.model.predict(load_case), expected, atol=1e-5)
 
 
-@pytest.mark.parametrize("fraction", [1.0, 0.3])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"point_fraction": 0.3},
+        {"model": "lifted", "options": {"width": 8, "any_axes": True}},
+    ],
+    ids=["all points", "some points", "lifted, along any axes"],
+)
 def test_a_resumed_run_equals_one_never_interrupted(
-    store: Store, split: Split, tmp_path: Path, fraction: float
+    store: Store, split: Split, tmp_path: Path, changes: dict[str, Any]
 ) -> None:
     whole, parts = tmp_path / "whole", tmp_path / "parts"
-    config = replace(SMALL, point_fraction=fraction)
+    config = replace(SMALL, **changes)
     train(store, split, config, whole)
     train(store, split, replace(config, max_epochs=2), parts)
     train(store, split, config, parts, resume=True)

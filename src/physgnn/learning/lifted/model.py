@@ -4,8 +4,7 @@ u = ū + u₁ + u₂ (`physgnn.mechanics.reduced.expansions.asymptotic`) + ‖u�
 + modes): the network gives a displacement g near the loads, and forces f on the loaded
 points that move the whole body by its response modes Φ. The factor, the mean length of
 u₂, makes the correction O(load²) or smaller, so that small loads get the linear
-solution, and none nothing. All is computed in the body's own axes, so that a body
-turned with its load has its displacement turned.
+solution, and none nothing. All is along the body's own axes, and turns with it.
 """
 
 from collections.abc import Iterator
@@ -22,6 +21,7 @@ from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
 from physgnn.learning.lifted.own_axes import body_axes, turned
 from physgnn.learning.lifted.pod_modes import fitted_modes, products, size
+from physgnn.learning.lifted.turned_weights import answered
 from physgnn.learning.network import Network
 from physgnn.learning.shared_weights import part_of_another
 from physgnn.learning.surrogate import Surrogate
@@ -68,6 +68,10 @@ class LiftedModel(Network):
         Under a force on few points, the submodel of the cells at most so many edges
         from it is solved, with what is predicted beside it as its boundary condition
         (`near_loads`); 0: no submodel is solved.
+    any_axes : bool
+        While it learns, the network sees the body along axes drawn at random. That
+        serves loads at places, and on bodies, that training has not; for the very
+        points that it has, it learns less.
     """
 
     zero_without_load = True
@@ -92,6 +96,7 @@ class LiftedModel(Network):
         response_modes: int = 64,
         pod_modes: int = 0,
         submodel_hops: int = 5,
+        any_axes: bool = False,
     ) -> None:
         super().__init__(body)
         counts = (anchors, k_hops, response_modes, pod_modes, submodel_hops)
@@ -101,7 +106,7 @@ class LiftedModel(Network):
                 "≥ 0, width and layers ≥ 1 (got "
                 f"{', '.join(map(str, (*counts, width, layers)))})"
             )
-        self.k_hops = k_hops
+        self.k_hops, self.any_axes = k_hops, any_axes
         n = body.mesh.n_points
         free = np.ones((n, 1))
         free[body.fixed] = 0.0
@@ -253,8 +258,8 @@ class LiftedModel(Network):
         scale = size(second)
         patch = self._patch_on(inputs.device)
         terms = torch.cat([expanded - first - second, first, second], dim=-1)
-        own = terms[:, patch.points], force[:, patch.points]
-        near, pushed = self.local(*own, scale, patch)
+        given = terms[:, patch.points], force[:, patch.points], scale, patch
+        near, pushed = answered(self.local, given, any_axes=self.any_axes)
         correction = torch.zeros_like(expanded).index_copy(1, patch.points, near)
         if self._has_responses:
             correction = correction + self._response(pushed, patch)
