@@ -28,10 +28,10 @@ from physgnn.learning.training.training_run import train
 EARLIER = {
     "anchors": 2, "reach": 2, "width": 8, "layers": 1, "modes": 2, "settle": 3,
 }  # fmt: skip
-# none had response modes then
+# none had response modes or learnt along any axes then
 PRESENT = {
     "anchors": 2, "k_hops": 2, "width": 8, "layers": 1, "response_modes": 0,
-    "pod_modes": 2, "submodel_hops": 3,
+    "pod_modes": 2, "submodel_hops": 3, "any_axes": False,
 }  # fmt: skip
 
 
@@ -95,5 +95,5 @@ def test_the_bundled_run_opens_under_present_names() -> None:
     assert "settle" in written["config"]["options"]
     assert Checkpoint.load(BUNDLED_RUN).record["config"]["options"] == {
         "anchors": 6, "k_hops": 3, "width": 32, "layers": 4, "response_modes": 0,
-        "pod_modes": 16, "submodel_hops": 5,
+        "pod_modes": 16, "submodel_hops": 5, "any_axes": False,
     }  # fmt: skip

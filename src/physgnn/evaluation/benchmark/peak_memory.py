@@ -1,13 +1,12 @@
 """How far this process grows while something is done."""
 
-import contextlib
-import ctypes
-import gc
 import threading
 from types import TracebackType
 from typing import Self
 
 import psutil
+
+from physgnn.freed_memory import give_back
 
 EVERY_SECONDS = 0.02
 
@@ -33,7 +32,7 @@ class PeakMemory:
         self._thread = threading.Thread(target=self._watch, daemon=True)
 
     def __enter__(self) -> Self:
-        _give_back()
+        give_back()
         self._before = self._resident()
         self._thread.start()
         return self
@@ -57,10 +56,3 @@ class PeakMemory:
 
     def _resident(self) -> int:
         return int(self._process.memory_info().rss)
-
-
-def _give_back() -> None:
-    """Return freed memory to the system; only glibc keeps it and can be asked."""
-    gc.collect()
-    with contextlib.suppress(AttributeError, OSError, TypeError):
-        ctypes.CDLL(None).malloc_trim(0)

@@ -16,6 +16,7 @@ from torch import Tensor, nn
 
 from physgnn.arrays import FloatArray, IntArray
 from physgnn.errors import InputError
+from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
@@ -58,9 +59,9 @@ class LiftedModel(Network):
     width, layers : int
         Of the local network.
     response_modes : int
-        Shapes by which the body answers forces on the points that are loaded: they
-        carry the network's forces beyond the neighbourhood. They are found without a
-        solution, so nothing learnt belongs to this body. 0 leaves them out.
+        Shapes by which the body answers forces on the loaded points and the surface
+        near them: they carry the network's forces beyond the neighbourhood. They are
+        found without a solution: nothing learnt belongs to this body. 0 for none.
     pod_modes : int
         Further shapes of the correction, added by a small network: POD modes of solved
         samples. With any, what is learnt belongs to this body alone.
@@ -118,6 +119,7 @@ class LiftedModel(Network):
         self.register_buffer("free", as_float32(free), persistent=False)
         self.register_buffer("anchor_states", torch.zeros(anchors, n, 3))
         self.register_buffer("near", torch.ones(n, dtype=torch.bool))
+        self._has_responses = response_modes > 0
         if response_modes:  # runs of before there were any hold none
             self.register_buffer("responses", torch.zeros(response_modes, n, 3))
             self.register_buffer("loaded", torch.zeros(n, dtype=torch.bool))
@@ -172,22 +174,19 @@ class LiftedModel(Network):
         states = mean_load_anchors(self._turned, forces @ self._axes64.T, n_anchors)
         self.anchor_states.copy_(torch.from_numpy(states))
         self._forget()
-        self._find_responses(loaded)
+        surface = boundary_points(self.body.mesh)  # a load may come beside those known
+        self._find_responses(np.union1d(loaded, surface[near[surface]]))
 
-    def _find_responses(self, loaded: IntArray) -> None:
-        """Find how the body at rest answers forces on the points that are loaded."""
+    def _find_responses(self, pushed: IntArray) -> None:
+        """Find how the body at rest answers forces on some points."""
         if not self._has_responses:
             return
-        n, free = self.body.mesh.n_points, np.setdiff1d(loaded, self.body.fixed)
+        n, free = self.body.mesh.n_points, np.setdiff1d(pushed, self.body.fixed)
         at_rest = self.expansion.about(np.zeros((n, 3)))
         found = softest_responses(at_rest.solve, free, n, len(self.responses))
         self.responses.copy_(torch.from_numpy(found))
         self.loaded[:] = False
         self.loaded[torch.from_numpy(free)] = True
-
-    @property
-    def _has_responses(self) -> bool:
-        return hasattr(self, "responses")
 
     def share_weights(self, other: Surrogate) -> None:
         """Take another body's network's weights for one's own, in training too."""

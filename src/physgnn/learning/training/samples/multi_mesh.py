@@ -14,6 +14,7 @@ from torch.utils.data import DataLoader, Dataset, Sampler
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
+from physgnn.freed_memory import give_back
 from physgnn.learning.models import build_model
 from physgnn.learning.network import Network
 from physgnn.learning.surrogate import Surrogate
@@ -90,6 +91,7 @@ def fitted_samples(
             samples.make_all()
         if len(meshes) > 1:
             model.release()
+            give_back()
     return training, validation
 
 
