@@ -19,10 +19,10 @@ from physgnn.errors import InputError
 from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.graph import Graph, as_float32
+from physgnn.learning.lifted.any_axes import answered
 from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
 from physgnn.learning.lifted.own_axes import body_axes, turned
 from physgnn.learning.lifted.pod_modes import fitted_modes, products, size
-from physgnn.learning.lifted.turned_weights import answered
 from physgnn.learning.network import Network
 from physgnn.learning.shared_weights import part_of_another
 from physgnn.learning.surrogate import Surrogate

@@ -9,8 +9,8 @@ from torch import Tensor
 from torch.func import functional_call
 
 from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.lifted.any_axes import random_axes, turned_weights
 from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
-from physgnn.learning.lifted.turned_weights import random_axes, turned_weights
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.materials import NeoHookean
 
