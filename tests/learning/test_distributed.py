@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 import torch
@@ -36,7 +37,7 @@ config = TrainingConfig(**{config})
 train(store, split, config, sys.argv[2], machine={machine})
 """
 # 16 samples in batches of 7: shares are unequal, and the last batch is smaller
-CONFIG = {
+CONFIG: dict[str, Any] = {
     "options": {"width": 8},
     "batch_size": 7,
     "max_epochs": 4,
@@ -44,6 +45,9 @@ CONFIG = {
     "learning_rate": 1e-3,
     "seed": 3,
 }
+LIFTED = {**CONFIG, "model": "lifted", "options": {"width": 8, "any_axes": True}}
+
+Config = dict[str, Any]
 
 
 def metrics(run: Path) -> list[dict[str, str]]:
@@ -51,9 +55,11 @@ def metrics(run: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(stream))
 
 
-def launch(machine: str, store: Store, out: Path, **variables: str) -> subprocess.Popen:
+def launch(
+    machine: str, config: Config, store: Store, out: Path, **variables: str
+) -> subprocess.Popen:
     program = out.with_suffix(".py")
-    text = PROGRAM.replace("{config}", repr(CONFIG)).replace("{machine}", machine)
+    text = PROGRAM.replace("{config}", repr(config)).replace("{machine}", machine)
     program.write_text(text)
     return subprocess.Popen(
         [sys.executable, program, store.path, out],
@@ -63,14 +69,16 @@ def launch(machine: str, store: Store, out: Path, **variables: str) -> subproces
     )
 
 
-def on_one_machine(store: Store, out: Path) -> list[subprocess.Popen]:
-    return [launch("Machine(devices=2)", store, out)]
+def on_one_machine(config: Config, store: Store, out: Path) -> list[subprocess.Popen]:
+    return [launch("Machine(devices=2)", config, store, out)]
 
 
-def on_two_machines(store: Store, out: Path) -> list[subprocess.Popen]:
+def on_two_machines(config: Config, store: Store, out: Path) -> list[subprocess.Popen]:
     address = {"MASTER_ADDR": "localhost", "MASTER_PORT": str(free_port())}
     return [
-        launch("Machine(num_nodes=2)", store, out, NODE_RANK=str(rank), **address)
+        launch(
+            "Machine(num_nodes=2)", config, store, out, NODE_RANK=str(rank), **address
+        )
         for rank in range(2)
     ]
 
@@ -84,16 +92,24 @@ def free_port() -> int:
             return port
 
 
-@pytest.mark.parametrize("start", [on_one_machine, on_two_machines])
+@pytest.mark.parametrize(
+    ("start", "config"),
+    [
+        (on_one_machine, CONFIG),
+        (on_two_machines, CONFIG),
+        (on_one_machine, LIFTED),  # validated before it trains
+    ],
+)
 def test_two_processes_have_the_loss_curve_of_one(
-    start: Callable[[Store, Path], list[subprocess.Popen]],
+    start: Callable[[Config, Store, Path], list[subprocess.Popen]],
+    config: Config,
     store: Store,
     split: Split,
     tmp_path: Path,
 ) -> None:
     one, two = tmp_path / "one", tmp_path / "two"
-    train(store, split, TrainingConfig(**CONFIG), one)
-    for process in start(store, two):
+    train(store, split, TrainingConfig(**config), one)
+    for process in start(config, store, two):
         _, said = process.communicate(timeout=300)
         assert process.returncode == 0, said
     assert len(metrics(one)) == 4
