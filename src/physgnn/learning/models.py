@@ -7,6 +7,7 @@ import importlib
 import inspect
 import sys
 from collections.abc import Mapping
+from numbers import Number
 from pathlib import Path
 from typing import Any
 
@@ -138,7 +139,8 @@ def resolved_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If there's no such method, or the method has no such option.
+        If there's no such method, or the method has no such option, or one is text,
+        a number, or true or false, where its default is another of these.
     """
     parameters = inspect.signature(model_class(name)).parameters.values()
     known = {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
@@ -151,7 +153,23 @@ def resolved_options(name: str, options: Mapping[str, Any]) -> dict[str, Any]:
             f"model '{name}' has no option '{unknown[0]}' "
             f"(it has: {', '.join(known) or 'none'})"
         )
+    for option, value in now.items():
+        expected, came = _kind(known[option]), _kind(value)
+        if expected and came != expected:
+            raise InputError(
+                f"option '{option}' of model '{name}' must be {expected}, such as "
+                f"{known[option]!r} (got {value!r})"
+            )
     return {**known, **now}
+
+
+def _kind(value: object) -> str:
+    """Return what an option's value is; empty where any may stand for it."""
+    if isinstance(value, bool):
+        return "true or false"
+    if isinstance(value, Number):
+        return "a number"
+    return "text" if isinstance(value, str) else ""
 
 
 def is_model(name: str) -> bool:
