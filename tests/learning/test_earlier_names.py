@@ -28,10 +28,11 @@ from physgnn.learning.training.training_run import train
 EARLIER = {
     "anchors": 2, "reach": 2, "width": 8, "layers": 1, "modes": 2, "settle": 3,
 }  # fmt: skip
-# none had response modes or learnt along any axes then
+# none had response modes, learnt along any axes or had a third term then
 PRESENT = {
     "anchors": 2, "k_hops": 2, "width": 8, "layers": 1, "response_modes": 0,
-    "pod_modes": 2, "submodel_hops": 3, "any_axes": False,
+    "pod_modes": 2, "submodel_hops": 3, "any_axes": False, "exponential": False,
+    "imbalance": False,
 }  # fmt: skip
 
 
@@ -85,7 +86,7 @@ def test_a_run_of_earlier_names_opens_and_goes_on(
     file.write_text(json.dumps(record))
     assert read_record(run)["config"]["options"] == PRESENT
     Checkpoint.load(run)
-    options = {**EARLIER, "response_modes": 0}
+    options = {**EARLIER, "response_modes": 0, "exponential": False, "imbalance": False}
     longer = TrainingConfig(model="lifted", options=options, max_epochs=2, seed=1)
     train(store, split, longer, run, resume=True)
 
@@ -95,5 +96,6 @@ def test_the_bundled_run_opens_under_present_names() -> None:
     assert "settle" in written["config"]["options"]
     assert Checkpoint.load(BUNDLED_RUN).record["config"]["options"] == {
         "anchors": 6, "k_hops": 3, "width": 32, "layers": 4, "response_modes": 0,
-        "pod_modes": 16, "submodel_hops": 5, "any_axes": False,
+        "pod_modes": 16, "submodel_hops": 5, "any_axes": False, "exponential": False,
+        "imbalance": False,
     }  # fmt: skip

@@ -64,7 +64,13 @@ EARLIER_OPTIONS: Mapping[str, str] = {
 """What options of the methods above were called before, and are now."""
 
 OPTIONS_BEFORE: Mapping[str, Mapping[str, Any]] = {
-    "lifted": {"response_modes": 0, "pod_modes": 16, "any_axes": False},
+    "lifted": {
+        "response_modes": 0,
+        "pod_modes": 16,
+        "any_axes": False,
+        "exponential": False,
+        "imbalance": False,
+    },
 }
 """Options that came later or had another default: what records without them mean."""
 

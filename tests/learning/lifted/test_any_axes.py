@@ -22,9 +22,9 @@ def body(block: TetMesh) -> Body:
     return Body(block, {0: soft, 1: hard}, fixed)
 
 
-def network_of(*, forces: bool) -> LiftedNetwork:
+def network_of(*, forces: bool, imbalance: bool) -> LiftedNetwork:
     torch.manual_seed(1)
-    network = LiftedNetwork(8, 2, forces=forces)
+    network = LiftedNetwork(8, 2, forces=forces, imbalance=imbalance)
     with torch.no_grad():
         for weight in network.parameters():
             weight.copy_(0.3 * torch.randn_like(weight))
@@ -42,21 +42,25 @@ def seen_along(body: Body, axes: Tensor) -> Body:
 
 
 @pytest.mark.parametrize("forces", [True, False])
+@pytest.mark.parametrize("imbalance", [True, False])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_they_answer_as_if_the_body_were_turned(
-    body: Body, sign: float, *, forces: bool
+    body: Body, sign: float, *, forces: bool, imbalance: bool
 ) -> None:
-    network, n = network_of(forces=forces), body.mesh.n_points
+    network = network_of(forces=forces, imbalance=imbalance)
+    n = body.mesh.n_points
     axes = random_axes()
     axes = sign * torch.sign(torch.linalg.det(axes)) * axes
-    terms, force = torch.randn(2, n, 9), 0.01 * torch.randn(2, n, 3)
+    terms, force = torch.randn(2, n, 9), 0.01 * torch.randn(2, n, 3 + 3 * imbalance)
     size, near = torch.rand(2, 1, 1) + 0.1, np.ones(n, dtype=bool)
     region = NetworkRegion.of(body, near)
     found = functional_call(
         network, turned_weights(network, axes), (terms, force, size, region)
     )
-    seen = (terms.unflatten(-1, (3, 3)) @ axes.T).flatten(-2), force @ axes.T, size
-    there = network(*seen, NetworkRegion.of(seen_along(body, axes), near))
+    turned = [
+        (field.unflatten(-1, (-1, 3)) @ axes.T).flatten(-2) for field in (terms, force)
+    ]
+    there = network(*turned, size, NetworkRegion.of(seen_along(body, axes), near))
     as_it_is = network(terms, force, size, region)
     for of_weights, of_body, other in zip(found, there, as_it_is, strict=True):
         if of_weights.numel():

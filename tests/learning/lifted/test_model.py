@@ -21,6 +21,7 @@ from physgnn.learning.runs.folder import RunFolder
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.training_run import train
 from physgnn.mechanics.body import Body
+from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.linear.linear_elasticity import RestState
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.materials import NeoHookean
@@ -29,6 +30,7 @@ MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 OPTIONS = {
     "anchors": 2, "k_hops": 2, "width": 8, "layers": 2, "pod_modes": 3,
     "response_modes": 4, "submodel_hops": 5, "any_axes": False,
+    "exponential": True, "imbalance": True,
 }  # fmt: skip
 
 
@@ -78,7 +80,7 @@ def fitted(store: Store, split: Split) -> LiftedModel:
 
 
 def test_no_load_gives_no_displacement(model: LiftedModel) -> None:
-    inputs = torch.zeros(1, model.body.mesh.n_points, 12)
+    inputs = torch.zeros(1, model.body.mesh.n_points, 15)
     assert (model(inputs, graph_of(model.body)) == 0).all()
 
 
@@ -189,7 +191,7 @@ def test_a_force_moves_the_body_as_far_as_the_modes_span_it(
     patch = whole._patch_on(torch.device("cpu"))
     turned = forces @ body_axes(store.mesh).T
     pushed = torch.from_numpy(turned[:, patch.points.numpy()].astype(np.float32))
-    moved = whole._response(pushed, patch).numpy()[0] @ body_axes(store.mesh)
+    moved = whole._carried_on(patch)(pushed).numpy()[0] @ body_axes(store.mesh)
     expected = RestState(store.body).solve(forces[0])
     np.testing.assert_allclose(moved, expected, atol=1e-4 * np.abs(expected).max())
 
@@ -248,6 +250,37 @@ def test_runs_of_before_response_modes_have_none(
 def test_size_is_some_tens_of_thousands(block: TetMesh) -> None:
     model = LiftedModel(body_of(block))
     assert 1e4 < sum(p.numel() for p in model.parameters()) < 6e4
+
+
+def test_what_it_sees_of_the_forces_is_what_is_out_of_balance_near_the_load(
+    fitted: LiftedModel, store: Store
+) -> None:
+    case = store.load_case(5, 3)
+    inputs, axes = fitted.encode(case).double().numpy(), fitted.axes.double().numpy()
+    inner, _ = internal_force(store.body.elements, inputs[:, :3] @ axes)
+    left = case.on_points(store.mesh.n_points) - inner
+    left[store.body.fixed] = 0.0
+    left[~fitted.near.numpy()] = 0.0
+    assert np.abs(left).max() > 1e-5
+    np.testing.assert_allclose(inputs[:, 12:] @ axes, left, atol=1e-6)
+
+
+def test_without_what_came_later_its_inputs_are_those_of_before(
+    store: Store, split: Split
+) -> None:
+    before = {**OPTIONS, "exponential": False, "imbalance": False}
+    model = LiftedModel(store.body, **before)
+    model.fit(store, split.train)
+    case = store.load_case(5, 3)
+    inputs = model.encode(case)
+    assert inputs.shape == (store.mesh.n_points, 12)
+    terms = model.expansion.expand(
+        case.on_points(store.mesh.n_points) @ model._axes64.T
+    )
+    assert (terms.third == 0).all()
+    np.testing.assert_allclose(
+        inputs[:, :3], terms.anchor + terms.first + terms.second, atol=1e-5
+    )
 
 
 def test_refuses_options_out_of_range(block: TetMesh) -> None:

@@ -66,8 +66,9 @@ def turned_weights(network: LiftedNetwork, axes: Tensor) -> dict[str, Tensor]:
     one = torch.ones(1, 1, device=axes.device)
     stencil = _side_by_side(one, axes)  # neighbours' mean, and a gradient
     terms = torch.kron(stencil, _of_each(axes, 3))
-    # as `_features` has them: gradients, shape, force, outward area, log μ
-    features = _side_by_side(terms, axes, axes, axes, one)
+    # as `_features` has them: gradients; shape, force, imbalance, outward area; log μ
+    n_vectors = (network.first.in_features - len(terms) - 1) // 3
+    features = _side_by_side(terms, _of_each(axes, n_vectors), one)
     turned = {"first.weight": network.first.weight @ features}
     for k in range(len(network.layers)):
         layer = network.get_parameter(f"layers.{k}.weight")

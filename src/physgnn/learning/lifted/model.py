@@ -1,10 +1,10 @@
 """The lifted network: physics carries the displacement, a network what is left over.
 
-u = ū + u₁ + u₂ (`physgnn.mechanics.reduced.expansions.asymptotic`) + ‖u₂‖ · (g + Φ Φᵀ f
-+ modes): the network gives a displacement g near the loads, and forces f on the loaded
-points that move the whole body by its response modes Φ. The factor, the mean length of
-u₂, makes the correction O(load²) or smaller, so that small loads get the linear
-solution, and none nothing. All is along the body's own axes, and turns with it.
+u = ū + u₁ + u₂ + u₃ (`physgnn.mechanics.reduced.expansions.asymptotic`) + ‖u₂‖ · (g +
+Φ Φᵀ f + modes): the network gives a displacement g near the loads, and forces f on the
+loaded points that move the whole body by its response modes Φ. The factor, the mean
+length of u₂, makes the correction O(load²) or smaller, so that small loads get the
+linear solution, and none nothing. All is along the body's own axes, and turns with it.
 """
 
 from collections.abc import Iterator
@@ -20,6 +20,8 @@ from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.lifted.any_axes import answered
+from physgnn.learning.lifted.carried_forces import CarriedForces
+from physgnn.learning.lifted.imbalance import Imbalance
 from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
 from physgnn.learning.lifted.own_axes import body_axes, turned
 from physgnn.learning.lifted.pod_modes import fitted_modes, products, size
@@ -27,13 +29,15 @@ from physgnn.learning.network import Network
 from physgnn.learning.shared_weights import part_of_another
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.equilibrium.reference_states import (
     NearestReference,
     ReferenceState,
 )
 from physgnn.mechanics.loads.paths import LoadCase
-from physgnn.mechanics.reduced.expansions.anchors import mean_load_anchors
+from physgnn.mechanics.reduced.expansions.anchors import (
+    loads_held_by,
+    mean_load_anchors,
+)
 from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
 from physgnn.mechanics.reduced.expansions.response_modes import softest_responses
 from physgnn.mechanics.reduced.submodels.near_loads import NearLoads
@@ -67,12 +71,14 @@ class LiftedModel(Network):
         samples. With any, what is learnt belongs to this body alone.
     submodel_hops : int
         Under a force on few points, the submodel of the cells at most so many edges
-        from it is solved, with what is predicted beside it as its boundary condition
-        (`near_loads`); 0: no submodel is solved.
+        from it is solved (`near_loads`); 0: none is.
     any_axes : bool
         While it learns, the network sees the body along axes drawn at random. That
         serves loads at places, and on bodies, that training has not; for the very
         points that it has, it learns less.
+    exponential, imbalance : bool
+        Whether the expansion has its term of finite rotation and strain, and whether
+        the network sees what force it leaves out of balance.
     """
 
     zero_without_load = True
@@ -98,16 +104,18 @@ class LiftedModel(Network):
         pod_modes: int = 0,
         submodel_hops: int = 5,
         any_axes: bool = False,
+        exponential: bool = True,
+        imbalance: bool = True,
     ) -> None:
         super().__init__(body)
         counts = (anchors, k_hops, response_modes, pod_modes, submodel_hops)
         if min(counts) < 0 or min(width, layers) < 1:
             raise InputError(
                 "anchors, k_hops, response_modes, pod_modes and submodel_hops must be "
-                "≥ 0, width and layers ≥ 1 (got "
-                f"{', '.join(map(str, (*counts, width, layers)))})"
+                f"≥ 0 (got {counts}), width and layers ≥ 1 (got {width}, {layers})"
             )
         self.k_hops, self.any_axes = k_hops, any_axes
+        self.exponential, self.imbalance = exponential, imbalance
         n = body.mesh.n_points
         free = np.ones((n, 1))
         free[body.fixed] = 0.0
@@ -125,7 +133,9 @@ class LiftedModel(Network):
             self.register_buffer("loaded", torch.zeros(n, dtype=torch.bool))
         self.register_buffer("modes", torch.zeros(pod_modes, n, 3))
         self.register_buffer("mode_scale", torch.ones(3 * pod_modes))
-        self.local = LiftedNetwork(width, layers, forces=response_modes > 0)
+        self.local = LiftedNetwork(
+            width, layers, forces=response_modes > 0, imbalance=imbalance
+        )
         self.coefficients = nn.Sequential(
             nn.Linear(3 * pod_modes, HIDDEN), nn.SiLU(), nn.Linear(HIDDEN, pod_modes)
         ) if pod_modes else None  # fmt: skip
@@ -136,15 +146,17 @@ class LiftedModel(Network):
         """Drop what was made from the buffers; it's made again when needed."""
         self._expansion: AsymptoticExpansion | None = None
         self._patch: NetworkRegion | None = None
-        self._acting: tuple[Tensor, Tensor] | None = None  # loaded points, and Φ there
+        self._left: Imbalance | None = None
+        self._carried: CarriedForces | None = None
 
     @property
     def expansion(self) -> AsymptoticExpansion:
         """The expansion, in the body's axes."""
         if self._expansion is None:
-            states = self.anchor_states.cpu().numpy()
-            threads = torch.get_num_threads()
-            self._expansion = AsymptoticExpansion(self._turned, states, threads=threads)
+            states, threads = self.anchor_states.cpu().numpy(), torch.get_num_threads()
+            self._expansion = AsymptoticExpansion(
+                self._turned, states, exponential=self.exponential, threads=threads
+            )
         return self._expansion
 
     def fit(self, store: "Store", samples: IntArray, seed: int = 0) -> None:
@@ -154,10 +166,9 @@ class LiftedModel(Network):
         del seed
         self.expect(strongest_forces(store, samples))
         if len(self.modes):
-            axes, n_modes = self.axes, len(self.modes)
-            found = fitted_modes(self.encode, axes, store, samples, n_modes)
-            self.modes.copy_(found[0])
-            self.mode_scale.copy_(found[1])
+            n = len(self.modes)
+            modes, scale = fitted_modes(self.encode, self.axes, store, samples, n)
+            self.modes.copy_(modes), self.mode_scale.copy_(scale)
 
     def expect(self, forces: FloatArray) -> None:
         """Find the anchors and the points near loads, from loads without solutions.
@@ -185,8 +196,7 @@ class LiftedModel(Network):
         at_rest = self.expansion.about(np.zeros((n, 3)))
         found = softest_responses(at_rest.solve, free, n, len(self.responses))
         self.responses.copy_(torch.from_numpy(found))
-        self.loaded[:] = False
-        self.loaded[torch.from_numpy(free)] = True
+        self.loaded.zero_()[torch.from_numpy(free)] = True
 
     def share_weights(self, other: Surrogate) -> None:
         """Take another body's network's weights for one's own, in training too."""
@@ -195,7 +205,7 @@ class LiftedModel(Network):
                 "only the local part of a lifted network may serve several bodies: "
                 "train model lifted with pod_modes = 0"
             )
-        sizes = "width, layers and response_modes"
+        sizes = "width, layers, response_modes and imbalance"
         self.local = part_of_another(self.local, other.local, sizes)
 
     def transfer(self, trained: Self, forces: FloatArray) -> None:
@@ -222,27 +232,24 @@ class LiftedModel(Network):
     def warm_up_cases(self) -> Iterator[LoadCase]:
         """Yield a tiny load, and the one that each anchor is in equilibrium with."""
         yield from super().warm_up_cases()
-        body = self.body
-        free = np.setdiff1d(np.arange(body.mesh.n_points), body.fixed)
         states = self.anchor_states.cpu().numpy().astype(np.float64)
-        for state in states @ self._axes64:
-            force, inverted = internal_force(body.elements, state)
-            if inverted < 0 and force[free].any():
-                yield LoadCase(free, force[free])
+        yield from loads_held_by(self.body, states @ self._axes64)
 
     def encode(self, load_case: LoadCase) -> Tensor:
-        """Return the second-order displacement, u₁, u₂ and force in the body's axes.
+        """Return the expansion's displacement, u₁, u₂ and forces in the body's axes.
 
         Returns
         -------
-        (n_points, 12) float32 tensor
-            mm and N.
+        (n_points, 12 or 15) float32 tensor
+            mm; load and, if the network sees it, imbalance, N.
         """
         force = self._force(load_case)
         terms = self.expansion.expand(force)
-        return as_float32(
-            np.column_stack([terms.displacement, terms.first, terms.second, force])
-        )
+        columns = [terms.displacement, terms.first, terms.second, force]
+        if self.imbalance:
+            self._left = self._left or Imbalance(self._turned, self.near.cpu().numpy())
+            columns.append(self._left(force, terms.displacement))
+        return as_float32(np.column_stack(columns))
 
     def linear(self, load_case: LoadCase) -> FloatArray:
         """Return K₀⁻¹ f, (n_points, 3) mm, in the world's axes, by kept columns."""
@@ -253,15 +260,15 @@ class LiftedModel(Network):
 
     def forward(self, inputs: Tensor, graph: Graph) -> Tensor:  # noqa: ARG002
         """Return displacement in mm, (batch, n_points, 3), in the world's axes."""
-        expanded, first, second, force = torch.split(inputs, 3, dim=-1)
+        expanded, first, second, forces = inputs.tensor_split((3, 6, 9), dim=-1)
         scale = size(second)
         patch = self._patch_on(inputs.device)
         terms = torch.cat([expanded - first - second, first, second], dim=-1)
-        given = terms[:, patch.points], force[:, patch.points], scale, patch
+        given = terms[:, patch.points], forces[:, patch.points], scale, patch
         near, pushed = answered(self.local, given, any_axes=self.any_axes)
         correction = torch.zeros_like(expanded).index_copy(1, patch.points, near)
         if self._has_responses:
-            correction = correction + self._response(pushed, patch)
+            correction = correction + self._carried_on(patch)(pushed)
         if self.coefficients is not None:
             fields = torch.stack([first, second, correction], dim=1)
             projected = products(fields, self.modes) / self.mode_scale
@@ -274,17 +281,10 @@ class LiftedModel(Network):
         """Bring the cells near a force on few points into equilibrium."""
         return self._near_loads.corrected(load_case, displacement)
 
-    def _response(self, forces: Tensor, patch: NetworkRegion) -> Tensor:
-        """Return Φ Φᵀ f, (batch, n_points, 3), f being the forces on loaded points."""
-        if self._acting is None or self._acting[0].device != forces.device:
-            with torch.inference_mode(False):  # as with the patch
-                at = torch.nonzero(self.loaded[patch.points])[:, 0]
-                there = self.responses[:, patch.points[at]].flatten(1).T
-                self._acting = at, there.contiguous()
-        at, there = self._acting
-        shares = forces[:, at].flatten(1) @ there
-        moved: Tensor = torch.tensordot(shares, self.responses, dims=1)
-        return moved
+    def _carried_on(self, patch: NetworkRegion) -> CarriedForces:
+        if self._carried is None or self._carried.at.device != patch.points.device:
+            self._carried = CarriedForces.of(self.responses, self.loaded, patch.points)
+        return self._carried
 
     def _patch_on(self, device: torch.device) -> NetworkRegion:
         if self._patch is None or self._patch.points.device != device:

@@ -13,7 +13,8 @@ from physgnn.learning.lifted.mesh_gradient import Stencil, edge_lengths
 from physgnn.mechanics.body import Body
 
 N_STATIC = 4
-N_FEATURES = 3 * 12 + 3 + 3 + N_STATIC
+N_FEATURES = 3 * 12 + 3 + 3 + N_STATIC  # and 6 of the imbalance
+TELLING = 10.0  # times the force that strains a cell by 1: an imbalance is that small
 REFERENCE_MU = 1e-3  # MPa; that of brain tissue, so that features are about 1
 
 
@@ -77,7 +78,7 @@ class LiftedNetwork(nn.Module):
     It is a displacement there and, if wanted, a force, which moves the body elsewhere.
 
     Everything it sees is local and dimensionless: gradients of the expansion's terms,
-    the last term's shape, force over stiffness, and what the body is there.
+    the second term's shape, force over stiffness, and what the body is there.
 
     Parameters
     ----------
@@ -85,12 +86,16 @@ class LiftedNetwork(nn.Module):
         Columns between layers, and number of layers.
     forces : bool
         Whether it predicts forces, too.
+    imbalance : bool
+        Whether it sees what force the expansion leaves out of balance, too.
     """
 
-    def __init__(self, width: int, n_layers: int, *, forces: bool) -> None:
+    def __init__(
+        self, width: int, n_layers: int, *, forces: bool, imbalance: bool
+    ) -> None:
         super().__init__()
         message = (width + 1) // 2  # neighbours are told half: it costs half
-        self.first = nn.Linear(N_FEATURES, width)
+        self.first = nn.Linear(N_FEATURES + 6 * imbalance, width)
         self.messages = nn.ModuleList(
             nn.Linear(width, message, bias=False) for _ in range(n_layers)
         )
@@ -109,9 +114,10 @@ class LiftedNetwork(nn.Module):
         Parameters
         ----------
         terms : (batch, n, 9) tensor
-            Anchor, first and second term at the patch's points, mm.
-        force : (batch, n, 3) tensor
-            N.
+            Anchor, with the third term if there is one, first and second term at the
+            patch's points, mm.
+        force : (batch, n, 3) or (batch, n, 6) tensor
+            The load and, if it sees that, the imbalance, N.
         size : (batch, 1, 1) tensor
             Of the second term, mm.
         patch : NetworkRegion
@@ -136,10 +142,21 @@ def _features(
     terms: Tensor, force: Tensor, size: Tensor, patch: NetworkRegion
 ) -> Tensor:
     gradients = patch.stencil(terms) / patch.length
-    tiny = torch.finfo(terms.dtype).tiny
-    shape = terms[..., 6:] / size.clamp_min(tiny)
+    size = size.clamp_min(torch.finfo(terms.dtype).tiny)
     static = patch.static.expand(len(terms), -1, -1)
-    return torch.cat([gradients, shape, force / patch.stiffness, static], dim=-1)
+    load, left = (force / patch.stiffness).tensor_split([3], dim=-1)
+    columns = [gradients, terms[..., 6:] / size, load]
+    if left.shape[-1]:
+        columns += [_shortened(TELLING * left), _shortened(left * patch.length / size)]
+    return torch.cat([*columns, static], dim=-1)
+
+
+def _shortened(vector: Tensor) -> Tensor:
+    """Return a vector with a length x shortened to arsinh x: few are much longer."""
+    length = torch.linalg.vector_norm(vector, dim=-1, keepdim=True)
+    length = length.clamp_min(torch.finfo(vector.dtype).tiny)
+    shortened: Tensor = vector * (torch.asinh(length) / length)
+    return shortened
 
 
 def _shear_modulus(body: Body) -> FloatArray:

@@ -29,7 +29,7 @@ def fitted_modes(
     Parameters
     ----------
     encode : callable
-        From a load to the columns displacement, u₁, u₂ and force, in the body's axes.
+        From a load to the columns displacement, u₁, u₂ and others, in the body's axes.
     axes : (3, 3) tensor
         Those axes.
     store : Store
@@ -51,7 +51,7 @@ def fitted_modes(
     for path, level in samples[::every]:
         x = encode(store.load_case(int(path), int(level)))
         truth = torch.tensor(store.displacement(int(path))[int(level)])
-        expanded, first, second, _ = torch.split(x, 3, dim=-1)
+        expanded, first, second = torch.split(x[:, :9], 3, dim=-1)
         missed.append((truth @ axes.cpu().T - expanded) / size(second[None])[0])
         terms.append(torch.stack([first, second, missed[-1]]))
     modes = as_float32(leading_modes(torch.stack(missed).numpy(), n_modes))

@@ -31,7 +31,7 @@ class SecondVariation:
 
     def __init__(self, elements: Elements, u: FloatArray) -> None:
         self._elements, self._u = elements, u
-        self._gradients, J = _spatial_gradients(elements, u)
+        self._gradients, J = spatial_gradients(elements, u)
         is_neo_hookean = (elements.law == LAW_INDEX["neo-hookean"]).all()
         self._closed = is_neo_hookean and elements.averaging is None
         lam, mu = elements.constants[:, 0], elements.constants[:, 1]
@@ -60,7 +60,7 @@ class SecondVariation:
         return curved
 
 
-def _spatial_gradients(
+def spatial_gradients(
     elements: Elements, u: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return ∂N_a/∂x at u of every cell's last three corners, and det F.

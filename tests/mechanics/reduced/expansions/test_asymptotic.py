@@ -47,8 +47,9 @@ def rate(sizes: np.ndarray, errors: list[float]) -> float:
 
 @pytest.mark.parametrize("element", ELEMENTS)
 @pytest.mark.parametrize("about", ["rest", "anchor"])
+@pytest.mark.parametrize("exponential", [True, False])
 def test_error_falls_with_the_third_power_of_the_load(
-    body: Body, force: np.ndarray, about: str, element: str
+    body: Body, force: np.ndarray, about: str, element: str, exponential: bool
 ) -> None:
     body = replace(body, element=element)
     sideways = np.zeros_like(force)
@@ -57,7 +58,7 @@ def test_error_falls_with_the_third_power_of_the_load(
     start = np.zeros_like(force)
     if about == "anchor":
         anchors, start = equilibria(body, force, np.array([1.0])), force
-    expansion = AsymptoticExpansion(body, anchors)
+    expansion = AsymptoticExpansion(body, anchors, exponential=exponential)
     sizes = np.array([0.4, 0.3, 0.2])
     if element == "tet4-averaged":  # softer
         sizes /= 2

@@ -1,13 +1,16 @@
 """The equilibria to expand about: a load path under the training loads' mean."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from physgnn.arrays import FloatArray
 from physgnn.mechanics.body import Body
+from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.equilibrium.solution import Status
 from physgnn.mechanics.equilibrium.solver import Solver
 from physgnn.mechanics.linear.linear_elasticity import RestState
-from physgnn.mechanics.loads.paths import LoadPath
+from physgnn.mechanics.loads.paths import LoadCase, LoadPath
 
 
 def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatArray:
@@ -50,3 +53,19 @@ def mean_load_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatAr
         np.minimum(np.arange(n_anchors), reached[-1])
     ]
     return found
+
+
+def loads_held_by(body: Body, states: FloatArray) -> Iterator[LoadCase]:
+    """Yield the load that each state is in equilibrium with, if there is any.
+
+    Parameters
+    ----------
+    body : Body
+    states : (n_states, n_points, 3) array
+        Displacements, mm; one that inverts a cell holds no load.
+    """
+    free = body.pattern.free
+    for state in states:
+        force, inverted = internal_force(body.elements, state)
+        if inverted < 0 and force[free].any():
+            yield LoadCase(free, force[free])

@@ -6,9 +6,10 @@ method: Damil & Potier-Ferry 1990, Int. J. Eng. Sci. 28):
 
     K u₁ = f − f̄          K u₂ = −½ d²/ds² f_int(ū + s u₁) at s = 0
 
-and s = 1 is the load asked for. With the rest state as ū this is the linear solution
-and its first correction. Loads of one kind lie much nearer to one another than to
-rest, so a few equilibria under their mean load, the anchors, serve all of them.
+and s = 1 is the load asked for. Of the third order there is, if wanted, the part that
+finite rotation and strain bring (`exponential`). With the rest state as ū, u₁ is the
+linear solution. Loads of one kind lie much nearer to one another than to rest, so a few
+equilibria under their mean load, the anchors, serve all of them.
 """
 
 from collections.abc import Callable
@@ -23,6 +24,10 @@ from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.second_variation import SecondVariation
 from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.linear.direct_solver import factorized
+from physgnn.mechanics.reduced.expansions.exponential import (
+    ExponentialTerm,
+    GradientFit,
+)
 from physgnn.mechanics.reduced.expansions.point_responses import PointResponses
 from physgnn.mechanics.reduced.expansions.recently_used import RecentlyUsed
 
@@ -39,16 +44,19 @@ class Expansion:
         Displacement of the equilibrium expanded about.
     first, second : array
         u₁ and u₂; the solution to second order is anchor + first + second.
+    third : array
+        What finite rotation and strain add, of third order; zero if not wanted.
     """
 
     anchor: FloatArray
     first: FloatArray
     second: FloatArray
+    third: FloatArray
 
     @property
     def displacement(self) -> FloatArray:
-        """The solution to second order."""
-        return self.anchor + self.first + self.second
+        """The solution, to second order or better."""
+        return self.anchor + self.first + self.second + self.third
 
 
 class AsymptoticExpansion:
@@ -66,11 +74,20 @@ class AsymptoticExpansion:
         What's loaded.
     anchors : (n_anchors, n_points, 3) array
         Displacements in stable equilibrium, mm; the rest state needn't be among them.
+    exponential : bool
+        Whether expansions have a third term.
     threads : int
         Threads of the linear solver.
     """
 
-    def __init__(self, body: Body, anchors: FloatArray, *, threads: int = 1) -> None:
+    def __init__(
+        self,
+        body: Body,
+        anchors: FloatArray,
+        *,
+        exponential: bool = True,
+        threads: int = 1,
+    ) -> None:
         rest = np.zeros((1, *body.mesh.points.shape))
         states = np.concatenate([rest, np.asarray(anchors, dtype=np.float64)])
         self._loads = np.stack([_internal(body, u) for u in states])
@@ -84,6 +101,10 @@ class AsymptoticExpansion:
             ExpansionPoint(body, u, load, nodes, self._responses)
             for u, load in zip(states, self._loads, strict=True)
         ]
+        self._thirds: list[ExponentialTerm] = []
+        if exponential:
+            fit = GradientFit(body.elements, free, threads=threads)
+            self._thirds = [ExponentialTerm(body.elements, u, fit) for u in states]
         self._linear = self._about[0].solve(self._loads)
         self._self_work = np.einsum("kni,kni->k", self._loads, self._linear)
 
@@ -112,9 +133,13 @@ class AsymptoticExpansion:
         force : (n_points, 3) array
             N; what acts on fixed points goes into the support.
         """
-        about = self.about(force)
+        nearest = self.nearest(force)
+        about = self._about[nearest]
         first = about.first(force)
-        return Expansion(about.u, first, about.second(first))
+        second, third = about.second(first), np.zeros_like(first)
+        if self._thirds:
+            third = self._thirds[nearest](first, second)
+        return Expansion(about.u, first, second, third)
 
 
 class ExpansionPoint:
