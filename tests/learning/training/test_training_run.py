@@ -13,6 +13,8 @@ from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
 from physgnn.learning.lifted.model import LiftedModel
 from physgnn.learning.runs.checkpoint import Checkpoint
+from physgnn.learning.runs.folder import RunFolder
+from physgnn.learning.runs.record import learnt_nothing
 from physgnn.learning.training import callbacks
 from physgnn.learning.training.config import TrainingConfig
 from physgnn.learning.training.objective.losses import LOSSES
@@ -45,6 +47,9 @@ def test_the_loss_falls_and_the_best_weights_are_kept(
     )
     assert told[-1][:2] == (1000, 1000)
     assert "epoch 14" in told[-1][2]
+    best = int(np.argmin(losses)) + 1
+    assert checkpoint.record["training"]["best_epoch"] == best
+    assert not learnt_nothing(checkpoint.record)
 
 
 def test_a_training_that_only_does_harm_leaves_what_the_physics_gives(
@@ -54,6 +59,10 @@ def test_a_training_that_only_does_harm_leaves_what_the_physics_gives(
     kept = train(store, split, harmful, tmp_path / "run")
     losses = [float(row["validation_loss"]) for row in metrics(tmp_path / "run")]
     assert kept.record["training"]["best_validation_loss"] < min(losses)
+    assert learnt_nothing(kept.record)
+    assert (
+        "before the first epoch" in RunFolder(tmp_path / "run").model_card.read_text()
+    )
     path, level = split.test[0].tolist()
     load_case = store.load_case(path, level)
     untrained = LiftedModel(store.body)

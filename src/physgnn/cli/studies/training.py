@@ -136,3 +136,8 @@ def train(
         f"{out}: validation loss {result['best_validation_loss']:.4g} after "
         f"{result['minutes']:.1f} minutes"
     )
+    if result["best_epoch"] == 0:
+        print(
+            f"{out}: no epoch was better than the weights that training began with, "
+            "which are kept: give more samples or minutes, or a lower learning rate"
+        )

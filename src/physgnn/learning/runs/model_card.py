@@ -6,7 +6,7 @@ from typing import Any
 
 from physgnn.io.integrity.atomic import write_whole
 from physgnn.learning.runs.folder import RunFolder
-from physgnn.learning.runs.record import processor_minutes, read_json
+from physgnn.learning.runs.record import learnt_nothing, processor_minutes, read_json
 
 OF_ONE_BODY = (
     "It knows one mesh, its materials and its fixed points; another brain, or another "
@@ -58,7 +58,8 @@ def card(record: Mapping[str, Any], errors: str | None = None) -> str:
                 "seed": config["seed"],
                 "minutes spent": f"{training['minutes']:.1f}",
                 "of the processor": f"{processor_minutes(record):.1f} minutes",
-                "lowest validation loss": f"{training['best_validation_loss']:.4g}",
+                "lowest validation loss": f"{training['best_validation_loss']:.4g}"
+                + ", before the first epoch" * learnt_nothing(record),
                 **record["versions"],
             }
         ),

@@ -138,7 +138,11 @@ def trained_meshes(record: Mapping[str, Any]) -> list[str]:
 
 
 def with_result(
-    record: Mapping[str, Any], *, loss: float, spent: Mapping[str, float]
+    record: Mapping[str, Any],
+    *,
+    loss: float,
+    spent: Mapping[str, float],
+    epoch: int | None = None,
 ) -> dict[str, Any]:
     """Return the record with what training reached and what it cost.
 
@@ -150,13 +154,22 @@ def with_result(
         The lowest validation loss.
     spent : mapping
         Minutes by the wall clock, ``wall``, and of the processor, ``processor``.
+    epoch : int, optional
+        After which the lowest loss was, 0 before the first; None without epochs.
     """
     training = {
         "best_validation_loss": loss,
+        "best_epoch": epoch,
         "minutes": round(spent["wall"], 3),
         "processor_minutes": round(spent["processor"], 3),
     }
     return {**record, "training": training}
+
+
+def learnt_nothing(record: Mapping[str, Any]) -> bool:
+    """Return whether the weights kept are those that the training began with."""
+    epoch: int | None = record["training"].get("best_epoch")
+    return epoch == 0
 
 
 def processor_minutes(record: Mapping[str, Any]) -> float:

@@ -12,6 +12,7 @@ from typing import Any
 import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
 from lightning.pytorch.callbacks import Checkpoint
+from lightning.pytorch.trainer.states import TrainerFn
 
 from physgnn.io.integrity.atomic import whole_file, write_whole
 from physgnn.learning.training.budget import Budget
@@ -22,27 +23,38 @@ SECONDS_BETWEEN_STATES = 300.0
 
 
 class KeepBest(Callback):
-    """Calls back with the validation loss whenever it is the lowest so far."""
+    """Calls back whenever the validation loss is the lowest so far.
 
-    def __init__(self, keep: Callable[[float], None]) -> None:
+    Attributes
+    ----------
+    loss : float
+        The lowest.
+    epoch : int or None
+        After which it was; 0 before the first, None if a record does not say.
+    """
+
+    def __init__(self, keep: Callable[[], None]) -> None:
         self.keep = keep
         self.loss = math.inf
+        self.epoch: int | None = None
 
     def on_validation_end(self, trainer: Trainer, _: LightningModule) -> None:
         """Compare, and call back if it is lower."""
         loss = float(trainer.callback_metrics[VALIDATION_LOSS])
         if loss < self.loss:
             self.loss = loss
+            alone = trainer.state.fn == TrainerFn.VALIDATING
+            self.epoch = 0 if alone else trainer.current_epoch + 1
             if trainer.is_global_zero:
-                self.keep(loss)
+                self.keep()
 
     def state_dict(self) -> dict[str, Any]:
-        """Return the lowest loss."""
-        return {"loss": self.loss}
+        """Return the lowest loss, and its epoch."""
+        return {"loss": self.loss, "epoch": self.epoch}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
         """Continue from the lowest loss before a resume."""
-        self.loss = state_dict["loss"]
+        self.loss, self.epoch = state_dict["loss"], state_dict.get("epoch")
 
 
 class KeepState(Checkpoint):

@@ -144,11 +144,13 @@ def train(
             model.set_precision(config.precision)
         caches = [stack.enter_context(SampleCache(run)) for _ in models]
         samples, held_out = fitted_samples(meshes, models, caches, config.seed)
-        best = KeepBest(
-            lambda loss: Checkpoint(
-                models[0], with_result(record, loss=loss, spent=budget.spent)
-            ).save(run)
-        )
+        best = KeepBest(lambda: Checkpoint(models[0], so_far()).save(run))
+
+        def so_far() -> dict[str, Any]:
+            return with_result(
+                record, loss=best.loss, spent=budget.spent, epoch=best.epoch
+            )
+
         callbacks = [best, *_watchers(run, config, budget, progress)]
         trainer = make_trainer(run, budget, callbacks, machine)
         share = Share(trainer.global_rank, trainer.world_size)
@@ -167,7 +169,7 @@ def train(
             weights_only=True,
         )
     if trainer.is_global_zero:
-        _finish(run, with_result(record, loss=best.loss, spent=budget.spent))
+        _finish(run, so_far())
     trainer.strategy.barrier()
     return Checkpoint.load(run)
 

@@ -158,5 +158,5 @@ def test_weights_of_another_size_are_refused(
 ) -> None:
     begun = train(store, split, replace(CONFIG, max_epochs=1), tmp_path / "run")
     config = replace(CONFIG, options={**OPTIONS, "width": 10})
-    with pytest.raises(InputError, match="width, layers and response_modes"):
+    with pytest.raises(InputError, match="width, layers, response_modes and imbalance"):
         train(store, split, config, tmp_path / "tuned", start=begun)
