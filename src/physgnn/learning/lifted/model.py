@@ -116,8 +116,7 @@ class LiftedModel(Network):
             )
         self.k_hops, self.any_axes = k_hops, any_axes
         self.exponential, self.imbalance = exponential, imbalance
-        n = body.mesh.n_points
-        free = np.ones((n, 1))
+        free = np.ones((n := body.mesh.n_points, 1))
         free[body.fixed] = 0.0
         # In float64 for the mechanics; the buffer beside it is the network's.
         self._axes64 = axes = body_axes(body.mesh)
@@ -153,9 +152,11 @@ class LiftedModel(Network):
     def expansion(self) -> AsymptoticExpansion:
         """The expansion, in the body's axes."""
         if self._expansion is None:
-            states, threads = self.anchor_states.cpu().numpy(), torch.get_num_threads()
             self._expansion = AsymptoticExpansion(
-                self._turned, states, exponential=self.exponential, threads=threads
+                self._turned,
+                self.anchor_states.cpu().numpy(),
+                strained=self.near.cpu().numpy() if self.exponential else None,
+                threads=torch.get_num_threads(),
             )
         return self._expansion
 

@@ -14,7 +14,8 @@ def some_cells(elements: Elements, cells: BoolArray) -> Elements:
     Parameters
     ----------
     elements : Elements
-        Not averaged: groups would lose cells.
+        Of averaged ones, what follows from the cells' own deformation stays right, and
+        stress does not: groups lose cells.
     cells : (n_cells,) boolean array
     """
     return replace(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from physgnn.errors import InputError
+from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import ELEMENTS
@@ -58,7 +59,8 @@ def test_error_falls_with_the_third_power_of_the_load(
     start = np.zeros_like(force)
     if about == "anchor":
         anchors, start = equilibria(body, force, np.array([1.0])), force
-    expansion = AsymptoticExpansion(body, anchors, exponential=exponential)
+    strained = np.ones(len(force), dtype=bool) if exponential else None
+    expansion = AsymptoticExpansion(body, anchors, strained=strained)
     sizes = np.array([0.4, 0.3, 0.2])
     if element == "tet4-averaged":  # softer
         sizes /= 2
@@ -96,8 +98,23 @@ def test_expands_about_the_nearest_anchor(body: Body, force: np.ndarray) -> None
 def test_a_load_far_beyond_any_still_has_an_expansion(
     body: Body, force: np.ndarray
 ) -> None:
-    expansion = AsymptoticExpansion(body, np.zeros((0, *force.shape)))
-    assert np.isfinite(expansion.expand(1e3 * force).displacement).all()
+    for strained in (None, np.ones(len(force), dtype=bool)):
+        expansion = AsymptoticExpansion(
+            body, np.zeros((0, *force.shape)), strained=strained
+        )
+        assert np.isfinite(expansion.expand(1e3 * force).displacement).all()
+
+
+def test_the_third_term_is_that_of_the_strained_cells(
+    body: Body, force: np.ndarray
+) -> None:
+    none, everywhere = np.zeros((0, *force.shape)), np.ones(len(force), dtype=bool)
+    whole = AsymptoticExpansion(body, none, strained=everywhere).expand(force).third
+    near = points_within(body.mesh, np.flatnonzero(force.any(axis=1)), 1)
+    part = AsymptoticExpansion(body, none, strained=near).expand(force).third
+    nowhere = AsymptoticExpansion(body, none, strained=~everywhere)
+    assert (nowhere.expand(force).third == 0).all()
+    assert np.abs(part - whole).max() < 0.5 * np.abs(whole).max()
 
 
 def test_refuses_an_inverted_anchor(body: Body) -> None:

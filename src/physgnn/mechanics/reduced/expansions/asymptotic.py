@@ -22,6 +22,7 @@ from physgnn.arrays import BoolArray, FloatArray, IntArray
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.second_variation import SecondVariation
+from physgnn.mechanics.elements.subset import some_cells
 from physgnn.mechanics.elements.tet4 import internal_force
 from physgnn.mechanics.linear.direct_solver import factorized
 from physgnn.mechanics.reduced.expansions.exponential import (
@@ -74,8 +75,9 @@ class AsymptoticExpansion:
         What's loaded.
     anchors : (n_anchors, n_points, 3) array
         Displacements in stable equilibrium, mm; the rest state needn't be among them.
-    exponential : bool
-        Whether expansions have a third term.
+    strained : (n_points,) boolean array, optional
+        Where loads may strain the body much: expansions then have a third term, which
+        the cells there bring. By default there is none.
     threads : int
         Threads of the linear solver.
     """
@@ -85,7 +87,7 @@ class AsymptoticExpansion:
         body: Body,
         anchors: FloatArray,
         *,
-        exponential: bool = True,
+        strained: BoolArray | None = None,
         threads: int = 1,
     ) -> None:
         rest = np.zeros((1, *body.mesh.points.shape))
@@ -102,9 +104,11 @@ class AsymptoticExpansion:
             for u, load in zip(states, self._loads, strict=True)
         ]
         self._thirds: list[ExponentialTerm] = []
-        if exponential:
+        if strained is not None:
+            cells = strained[body.elements.cells].any(axis=1)
+            some = some_cells(body.elements, np.asarray(cells))
             fit = GradientFit(body.elements, free, threads=threads)
-            self._thirds = [ExponentialTerm(body.elements, u, fit) for u in states]
+            self._thirds = [ExponentialTerm(some, u, fit) for u in states]
         self._linear = self._about[0].solve(self._loads)
         self._self_work = np.einsum("kni,kni->k", self._loads, self._linear)
 

@@ -25,7 +25,7 @@ from physgnn.mechanics.elements.second_variation import spatial_gradients
 from physgnn.mechanics.elements.tet4 import Elements
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
 
-SMALL = 0.05  # |L|: below it a cell's part is of 2e-5, and most cells lie below it
+SMALL = 0.05  # |L|: below it a cell's part is of 2e-5, not worth its time
 LARGE = 2.0  # of the exponent at most: seven times as long; beyond, series mean nothing
 HALVINGS = 4  # of the exponent; then a polynomial of third order is exact to 1e-6
 
@@ -67,7 +67,7 @@ class ExponentialTerm:
     Parameters
     ----------
     elements : Elements
-        Of the body.
+        Of the body, or those of its cells that are strained much.
     u : (n_points, 3) array
         The anchor's displacement, mm.
     fit : GradientFit
