@@ -21,7 +21,7 @@ from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.lifted.any_axes import answered
 from physgnn.learning.lifted.carried_forces import CarriedForces
-from physgnn.learning.lifted.imbalance import Imbalance
+from physgnn.learning.lifted.force_left import ForceLeft
 from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
 from physgnn.learning.lifted.own_axes import body_axes, turned
 from physgnn.learning.lifted.pod_modes import fitted_modes, products, size
@@ -145,7 +145,7 @@ class LiftedModel(Network):
         """Drop what was made from the buffers; it's made again when needed."""
         self._expansion: AsymptoticExpansion | None = None
         self._patch: NetworkRegion | None = None
-        self._left: Imbalance | None = None
+        self._left: ForceLeft | None = None
         self._carried: CarriedForces | None = None
 
     @property
@@ -248,7 +248,7 @@ class LiftedModel(Network):
         terms = self.expansion.expand(force)
         columns = [terms.displacement, terms.first, terms.second, force]
         if self.imbalance:
-            self._left = self._left or Imbalance(self._turned, self.near.cpu().numpy())
+            self._left = self._left or ForceLeft(self._turned, self.near.cpu().numpy())
             columns.append(self._left(force, terms.displacement))
         return as_float32(np.column_stack(columns))
 

@@ -13,7 +13,7 @@ from physgnn.mechanics.elements.subset import some_cells
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 
 
-class Imbalance:
+class ForceLeft:
     """Finds the force left at the points near loads, from the cells there alone.
 
     Parameters
