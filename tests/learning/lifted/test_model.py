@@ -1,6 +1,7 @@
 """What the lifted network must be, whatever its weights."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -263,6 +264,17 @@ def test_what_it_sees_of_the_forces_is_what_is_out_of_balance_near_the_load(
     left[~fitted.near.numpy()] = 0.0
     assert np.abs(left).max() > 1e-5
     np.testing.assert_allclose(inputs[:, 12:] @ axes, left, atol=1e-6)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e-12, 1e-30])
+def test_next_to_no_load_is_answered_whatever_rounding_leaves_out_of_balance(
+    fitted: LiftedModel, store: Store, scale: float
+) -> None:
+    case = store.load_case(5, 3)
+    tiny = replace(case, forces=scale * case.forces)
+    model = with_random_weights(fitted)
+    found, linear = predict(model, tiny).numpy(), model.linear(tiny)
+    assert np.abs(found - linear).max() <= 1e-2 * np.abs(linear).max()
 
 
 def test_without_what_came_later_its_inputs_are_those_of_before(

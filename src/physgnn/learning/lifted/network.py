@@ -15,6 +15,7 @@ from physgnn.mechanics.body import Body
 N_STATIC = 4
 N_FEATURES = 3 * 12 + 3 + 3 + N_STATIC  # and 6 of the imbalance
 TELLING = 10.0  # times the force that strains a cell by 1: an imbalance is that small
+MOST = 1e6  # of a ratio: under next to no load, rounding over the second term
 REFERENCE_MU = 1e-3  # MPa; that of brain tissue, so that features are about 1
 
 
@@ -147,7 +148,8 @@ def _features(
     load, left = (force / patch.stiffness).tensor_split([3], dim=-1)
     columns = [gradients, terms[..., 6:] / size, load]
     if left.shape[-1]:
-        columns += [_shortened(TELLING * left), _shortened(left * patch.length / size)]
+        relative = (left * patch.length / size).clamp(-MOST, MOST)
+        columns += [_shortened(TELLING * left), _shortened(relative)]
     return torch.cat([*columns, static], dim=-1)
 
 
