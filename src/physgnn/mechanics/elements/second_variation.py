@@ -60,6 +60,13 @@ class SecondVariation:
         return curved
 
 
+def deformation_gradients(elements: Elements, u: FloatArray) -> FloatArray:
+    """Return F of every cell at u, growth included, (n_cells, 3, 3)."""
+    F: FloatArray = np.einsum("eai,eaj->eij", u[elements.cells], elements.gradients)
+    F += elements.rest[:, None, None] * np.eye(3)
+    return F
+
+
 def spatial_gradients(
     elements: Elements, u: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -67,8 +74,7 @@ def spatial_gradients(
 
     Those of the four corners add up to nothing.
     """
-    F = np.einsum("eai,eaj->eij", u[elements.cells], elements.gradients)
-    F += elements.rest[:, None, None] * np.eye(3)
+    F = deformation_gradients(elements, u)
     return elements.gradients[:, 1:] @ np.linalg.inv(F), np.linalg.det(F)
 
 

@@ -21,7 +21,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from physgnn.arrays import FloatArray, IntArray
-from physgnn.mechanics.elements.second_variation import spatial_gradients
+from physgnn.mechanics.elements.second_variation import (
+    deformation_gradients,
+    spatial_gradients,
+)
 from physgnn.mechanics.elements.tet4 import Elements
 from physgnn.mechanics.linear.direct_solver import make_linear_solver
 
@@ -77,8 +80,7 @@ class ExponentialTerm:
     def __init__(self, elements: Elements, u: FloatArray, fit: GradientFit) -> None:
         self._fit = fit
         self._cells, self._gradients = elements.cells, spatial_gradients(elements, u)[0]
-        F = np.einsum("eai,eaj->eij", u[elements.cells], elements.gradients)
-        F += elements.rest[:, None, None] * np.eye(3)
+        F = deformation_gradients(elements, u)
         # F̄ V ∂N/∂X: what G = (exp − 1 − L₁ − L₂) F̄ is multiplied with and added up
         weights = elements.volumes[:, None, None] * elements.gradients[:, 1:]
         self._weights = np.einsum("eij,eaj->eai", F, weights)
