@@ -9,3 +9,7 @@
 from physgnn.lazy import attach
 
 __getattr__, __all__ = attach(__name__, __file__)
+
+
+def __dir__() -> list[str]:
+    return __all__

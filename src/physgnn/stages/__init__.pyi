@@ -25,5 +25,3 @@ from .patient.preoperative.case_file import init as init
 from .patient.preoperative.meshing import mesh as mesh
 from .patient.preoperative.segmenting import segment as segment
 from .slicer_modules.launchers import slicer as slicer
-
-__all__: list[str]

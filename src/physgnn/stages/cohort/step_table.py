@@ -207,5 +207,5 @@ ROWS = (
 
 def steps() -> tuple[Step, ...]:
     """Return the steps whose stage there is."""
-    there = set(stages.__all__)
+    there = set(dir(stages))
     return tuple(row for row in ROWS if row.command in there)

@@ -17,5 +17,5 @@ ROWS = (SEGMENT_MODULE, MESH_MODULE, REGISTER_MODULE, WARP_MODULE, PREDICT_MODUL
 
 def modules() -> tuple[Module, ...]:
     """Return the modules whose stage there is."""
-    there = set(stages.__all__)
+    there = set(dir(stages))
     return tuple(row for row in ROWS if row.command in there)
