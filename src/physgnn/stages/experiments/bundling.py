@@ -16,6 +16,7 @@ BUNDLED = replace(
     DEMO,
     command="physgnn bundle",
     training_minutes=4.0,
+    options={"response_modes": 0, "pod_modes": 16},  # 64 responses would take 8 MB
     peers=("physgnn",),
     baselines="all",
     tolerance_mm=0.1,

@@ -29,7 +29,11 @@ if TYPE_CHECKING:
 PRESET = "family"
 SETTINGS: dict[str, Any] = {
     "model": "lifted",
-    "options": {"response_modes": 0, "k_hops": 4},  # they would take 5 MB
+    "options": {
+        "response_modes": 0,  # they would take 5 MB
+        "k_hops": 4,
+        "any_axes": True,
+    },
     "batch_size": 4,
     "learning_rate": 0.002,
     "weight_decay": 0.1,

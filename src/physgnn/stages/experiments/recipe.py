@@ -1,6 +1,7 @@
 """The bundled brain, a lifted network on it, and what it is compared with."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from physgnn.dataset import Preset
@@ -33,6 +34,8 @@ class Recipe:
         What to simulate.
     training_minutes : float
         How long to train.
+    options : mapping
+        Of the network, where they differ from its defaults.
     peers : tuple of str
         Models to train as long and compare with, at their published settings.
     baselines : str
@@ -46,6 +49,7 @@ class Recipe:
     target_points: int
     preset: str | Preset
     training_minutes: float
+    options: Mapping[str, Any] = field(default_factory=dict)
     peers: tuple[str, ...] = ()
     baselines: str = "quick"
     tolerance_mm: float | None = None
@@ -62,7 +66,9 @@ class Recipe:
             pipeline.train(model, SPLIT, TrainingConfig(model, max_minutes=minutes))
             for model in self.peers
         ]
-        config = TrainingConfig(MODEL, max_minutes=minutes, **SETTINGS)
+        config = TrainingConfig(
+            MODEL, options=dict(self.options), max_minutes=minutes, **SETTINGS
+        )
         runs.append(pipeline.train(RUN, SPLIT, config))
         beside = Comparison(self.baselines, self.tolerance_mm)
         return pipeline.evaluate(runs, SPLIT, comparison=beside)
