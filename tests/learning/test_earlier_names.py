@@ -32,7 +32,7 @@ EARLIER = {
 PRESENT = {
     "anchors": 2, "k_hops": 2, "width": 8, "layers": 1, "response_modes": 0,
     "pod_modes": 2, "submodel_hops": 3, "any_axes": False, "exponential": False,
-    "imbalance": False,
+    "imbalance": False, "relaxed_patches": 0,
 }  # fmt: skip
 
 
@@ -86,7 +86,9 @@ def test_a_run_of_earlier_names_opens_and_goes_on(
     file.write_text(json.dumps(record))
     assert read_record(run)["config"]["options"] == PRESENT
     Checkpoint.load(run)
-    options = {**EARLIER, "response_modes": 0, "exponential": False, "imbalance": False}
+    later = ("exponential", "imbalance")
+    options = {**EARLIER, "response_modes": 0, **dict.fromkeys(later, False)}
+    options["relaxed_patches"] = 0
     longer = TrainingConfig(model="lifted", options=options, max_epochs=2, seed=1)
     train(store, split, longer, run, resume=True)
 
@@ -97,5 +99,5 @@ def test_the_bundled_run_opens_under_present_names() -> None:
     assert Checkpoint.load(BUNDLED_RUN).record["config"]["options"] == {
         "anchors": 6, "k_hops": 3, "width": 32, "layers": 4, "response_modes": 0,
         "pod_modes": 16, "submodel_hops": 5, "any_axes": False, "exponential": False,
-        "imbalance": False,
+        "imbalance": False, "relaxed_patches": 0,
     }  # fmt: skip

@@ -17,6 +17,7 @@ from physgnn.mechanics.materials import (
     MooneyRivlin,
     NeoHookean,
     Ogden,
+    neo_hookean,
     table,
 )
 from physgnn.mechanics.materials.table import (
@@ -361,3 +362,18 @@ def test_the_kernels_refuse_a_law_without_a_branch():
     for kernel in (strain_energy, internal_force):
         with pytest.raises(ValueError, match="has no branch"):
             kernel(elements, rest)
+
+
+def test_the_closed_stiffness_of_a_neo_hookean_cell_is_its_tangents() -> None:
+    rng = np.random.default_rng(4)
+    F = np.eye(3) + 0.3 * rng.standard_normal((3, 3))
+    J, H = np.linalg.det(F), np.linalg.inv(F).T
+    assert J > 0
+    gradient, constants = rng.standard_normal((4, 3)), np.array([2.0, 0.3])
+    A, K = np.empty((3, 3, 3, 3)), np.zeros((4, 4, 3, 3))
+    neo_hookean.tangent(F, H, J, constants, A)
+    neo_hookean.stiffness(gradient, 1.7, H, J, constants, np.empty((4, 3)), K)
+    expected = 1.7 * np.einsum("aJ,iJkL,bL->abik", gradient, A, gradient)
+    for a in range(4):
+        np.testing.assert_allclose(K[a, a:], expected[a, a:], atol=1e-12)
+        assert (K[a, :a] == 0).all()

@@ -70,6 +70,7 @@ OPTIONS_BEFORE: Mapping[str, Mapping[str, Any]] = {
         "any_axes": False,
         "exponential": False,
         "imbalance": False,
+        "relaxed_patches": 0,
     },
 }
 """Options that came later or had another default: what records without them mean."""

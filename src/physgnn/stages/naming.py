@@ -12,8 +12,7 @@ from physgnn import stages
 
 IMPORT = "import_results"
 COMMANDS: Mapping[str, str] = {
-    "import" if name == IMPORT else name.replace("_", "-"): name
-    for name in dir(stages)
+    "import" if name == IMPORT else name.replace("_", "-"): name for name in dir(stages)
 }
 """Command → function of `physgnn.stages`."""
 OPTIONS: Mapping[str, str] = {"as": "form", "from": "start"}

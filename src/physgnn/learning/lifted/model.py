@@ -8,6 +8,7 @@ linear solution, and none nothing. All is along the body's own axes, and turns w
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -20,11 +21,10 @@ from physgnn.geometry.boundary import boundary_points
 from physgnn.geometry.mesh_topology import points_within
 from physgnn.learning.graph import Graph, as_float32
 from physgnn.learning.lifted.any_axes import answered
-from physgnn.learning.lifted.carried_forces import CarriedForces
-from physgnn.learning.lifted.force_left import ForceLeft
-from physgnn.learning.lifted.network import LiftedNetwork, NetworkRegion
+from physgnn.learning.lifted.network import LiftedNetwork
 from physgnn.learning.lifted.own_axes import body_axes, turned
 from physgnn.learning.lifted.pod_modes import fitted_modes, products, size
+from physgnn.learning.lifted.prepared import Prepared
 from physgnn.learning.network import Network
 from physgnn.learning.shared_weights import part_of_another
 from physgnn.learning.surrogate import Surrogate
@@ -72,6 +72,8 @@ class LiftedModel(Network):
     submodel_hops : int
         Under a force on few points, the submodel of the cells at most so many edges
         from it is solved (`near_loads`); 0: none is.
+    relaxed_patches : int
+        So many patches, those most out of balance, are relaxed (`patch_relaxation`).
     any_axes : bool
         While it learns, the network sees the body along axes drawn at random. That
         serves loads at places, and on bodies, that training has not; for the very
@@ -103,16 +105,24 @@ class LiftedModel(Network):
         response_modes: int = 64,
         pod_modes: int = 0,
         submodel_hops: int = 5,
+        relaxed_patches: int = 8,
         any_axes: bool = False,
         exponential: bool = True,
         imbalance: bool = True,
     ) -> None:
         super().__init__(body)
-        counts = (anchors, k_hops, response_modes, pod_modes, submodel_hops)
-        if min(counts) < 0 or min(width, layers) < 1:
+        counts = {
+            "anchors": anchors,
+            "k_hops": k_hops,
+            "response_modes": response_modes,
+            "pod_modes": pod_modes,
+            "submodel_hops": submodel_hops,
+            "relaxed_patches": relaxed_patches,
+        }
+        if min(counts.values()) < 0 or min(width, layers) < 1:
             raise InputError(
-                "anchors, k_hops, response_modes, pod_modes and submodel_hops must be "
-                f"≥ 0 (got {counts}), width and layers ≥ 1 (got {width}, {layers})"
+                f"{', '.join(counts)} must be ≥ 0 (got {tuple(counts.values())}), "
+                f"width and layers ≥ 1 (got {width}, {layers})"
             )
         self.k_hops, self.any_axes = k_hops, any_axes
         self.exponential, self.imbalance = exponential, imbalance
@@ -120,6 +130,7 @@ class LiftedModel(Network):
         free[body.fixed] = 0.0
         # In float64 for the mechanics; the buffer beside it is the network's.
         self._axes64 = axes = body_axes(body.mesh)
+        self.relaxed_patches = relaxed_patches
         self._near_loads = NearLoads(body, submodel_hops)
         self._turned = turned(body, axes)
         self.register_buffer("axes", as_float32(axes), persistent=False)
@@ -143,22 +154,18 @@ class LiftedModel(Network):
 
     def _forget(self) -> None:
         """Drop what was made from the buffers; it's made again when needed."""
-        self._expansion: AsymptoticExpansion | None = None
-        self._patch: NetworkRegion | None = None
-        self._left: ForceLeft | None = None
-        self._carried: CarriedForces | None = None
+        self._prepared = Prepared(
+            self.body,
+            self._turned,
+            dict(self.named_buffers(recurse=False)),
+            exponential=self.exponential,
+            relaxed_patches=self.relaxed_patches,
+        )
 
     @property
     def expansion(self) -> AsymptoticExpansion:
         """The expansion, in the body's axes."""
-        if self._expansion is None:
-            self._expansion = AsymptoticExpansion(
-                self._turned,
-                self.anchor_states.cpu().numpy(),
-                strained=self.near.cpu().numpy() if self.exponential else None,
-                threads=torch.get_num_threads(),
-            )
-        return self._expansion
+        return self._prepared.expansion
 
     def fit(self, store: "Store", samples: IntArray, seed: int = 0) -> None:
         """Find the anchors, the points near loads, and the modes."""
@@ -216,7 +223,7 @@ class LiftedModel(Network):
 
     def release(self) -> None:
         """Free the factors."""
-        self._expansion = None
+        self._prepared.release()
 
     def reference_states(self) -> NearestReference:
         """Return how to find the nearest anchor, and its response to a little more."""
@@ -231,10 +238,12 @@ class LiftedModel(Network):
         return nearest
 
     def warm_up_cases(self) -> Iterator[LoadCase]:
-        """Yield a tiny load, and the one that each anchor is in equilibrium with."""
+        """Yield a tiny load, those that anchors balance, and one that none does."""
         yield from super().warm_up_cases()
         states = self.anchor_states.cpu().numpy().astype(np.float64)
-        yield from loads_held_by(self.body, states @ self._axes64)
+        held = list(loads_held_by(self.body, states @ self._axes64))
+        yield from held
+        yield from (replace(case, forces=0.8 * case.forces) for case in held[-1:])
 
     def encode(self, load_case: LoadCase) -> Tensor:
         """Return the expansion's displacement, u₁, u₂ and forces in the body's axes.
@@ -248,8 +257,8 @@ class LiftedModel(Network):
         terms = self.expansion.expand(force)
         columns = [terms.displacement, terms.first, terms.second, force]
         if self.imbalance:
-            self._left = self._left or ForceLeft(self._turned, self.near.cpu().numpy())
-            columns.append(self._left(force, terms.displacement))
+            left = self._prepared.force_left(force, terms.displacement)
+            columns.append(left)
         return as_float32(np.column_stack(columns))
 
     def linear(self, load_case: LoadCase) -> FloatArray:
@@ -263,13 +272,13 @@ class LiftedModel(Network):
         """Return displacement in mm, (batch, n_points, 3), in the world's axes."""
         expanded, first, second, forces = inputs.tensor_split((3, 6, 9), dim=-1)
         scale = size(second)
-        patch = self._patch_on(inputs.device)
+        patch = self._prepared.region_on(inputs.device)
         terms = torch.cat([expanded - first - second, first, second], dim=-1)
         given = terms[:, patch.points], forces[:, patch.points], scale, patch
         near, pushed = answered(self.local, given, any_axes=self.any_axes)
         correction = torch.zeros_like(expanded).index_copy(1, patch.points, near)
         if self._has_responses:
-            correction = correction + self._carried_on(patch)(pushed)
+            correction = correction + self._prepared.carried_on(inputs.device)(pushed)
         if self.coefficients is not None:
             fields = torch.stack([first, second, correction], dim=1)
             projected = products(fields, self.modes) / self.mode_scale
@@ -279,20 +288,9 @@ class LiftedModel(Network):
         return displacement
 
     def refine(self, load_case: LoadCase, displacement: FloatArray) -> FloatArray:
-        """Bring the cells near a force on few points into equilibrium."""
-        return self._near_loads.corrected(load_case, displacement)
-
-    def _carried_on(self, patch: NetworkRegion) -> CarriedForces:
-        if self._carried is None or self._carried.at.device != patch.points.device:
-            self._carried = CarriedForces.of(self.responses, self.loaded, patch.points)
-        return self._carried
-
-    def _patch_on(self, device: torch.device) -> NetworkRegion:
-        if self._patch is None or self._patch.points.device != device:
-            with torch.inference_mode(False):  # a prediction's must serve training, too
-                patch = NetworkRegion.of(self._turned, self.near.cpu().numpy())
-                self._patch = patch.to(device)
-        return self._patch
+        """Bring cells near the load into equilibrium, or nearer to it."""
+        refined = self._near_loads.corrected(load_case, displacement)
+        return self._prepared.relaxed(load_case, refined)
 
 
 def _forget(model: nn.Module, _: object) -> None:

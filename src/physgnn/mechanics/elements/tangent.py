@@ -14,12 +14,12 @@ from physgnn.mechanics.elements.averaged_pressure import (
     volume_gradients,
 )
 from physgnn.mechanics.elements.cell_kinematics import kinematics
+from physgnn.mechanics.elements.cell_tangent import cell_stiffness, contracted
 from physgnn.mechanics.elements.convexity import make_convex
 from physgnn.mechanics.elements.tet4 import (
     NO_PRESSURE,
     Elements,
     MeanState,
-    _element_tangent,
     check_state,
     mean_state,
 )
@@ -191,17 +191,22 @@ def _assemble(  # type: ignore[no-untyped-def]
 ):
     F, H = np.empty((3, 3)), np.empty((3, 3))
     A, Ag = np.empty((3, 3, 3, 3)), np.empty((3, 3, 3))
-    K = np.empty((4, 4, 3, 3))
+    K, room = np.empty((4, 4, 3, 3)), (A, Ag, np.empty((4, 3)))
     for e in chosen:
         J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
         if not J > 0.0:
             return e
-        table.tangent(law[e], F, H, J, constants[e], A)
-        if len(pressure):
-            _add_pressure_tangent(pressure[e] * J, H, A)
-        if convex:
-            make_convex(A)
-        _element_tangent(gradients[e], volumes[e], A, Ag, K)
+        if convex or len(pressure):
+            table.tangent(law[e], F, H, J, constants[e], A)
+            if len(pressure):
+                _add_pressure_tangent(pressure[e] * J, H, A)
+            if convex:
+                make_convex(A)
+            contracted(gradients[e], volumes[e], A, Ag, K)
+        else:
+            cell_stiffness(
+                law[e], F, H, J, constants[e], gradients[e], volumes[e], room, K
+            )
         for a in range(4):
             for b in range(4):
                 rank = slot[e, a, b]

@@ -183,28 +183,6 @@ def _strain_energy(cells, gradients, rest, volumes, law, constants, u):  # type:
     return total
 
 
-@njit(cache=True)
-def _element_tangent(gradient, volume, A, Ag, K):  # type: ignore[no-untyped-def]
-    """K_aibk = V ∂N_a/∂X_J A_iJkL ∂N_b/∂X_L, upper blocks b ≥ a only."""
-    for b in range(4):
-        for i in range(3):
-            for j in range(3):
-                for k in range(3):
-                    Ag[i, j, k] = volume * (
-                        A[i, j, k, 0] * gradient[b, 0]
-                        + A[i, j, k, 1] * gradient[b, 1]
-                        + A[i, j, k, 2] * gradient[b, 2]
-                    )
-        for a in range(b + 1):
-            for i in range(3):
-                for k in range(3):
-                    K[a, b, i, k] = (
-                        gradient[a, 0] * Ag[i, 0, k]
-                        + gradient[a, 1] * Ag[i, 1, k]
-                        + gradient[a, 2] * Ag[i, 2, k]
-                    )
-
-
 @dataclass(frozen=True, eq=False)
 class MeanState:
     """The averaged change of volume at one displacement."""

@@ -94,3 +94,32 @@ def tangent(F, H, J, constants, A):  # type: ignore[no-untyped-def]  # noqa: ARG
                 for m in range(3):
                     A[i, j, k, m] = q * H[i, m] * H[k, j] + lam * H[i, j] * H[k, m]
             A[i, j, i, j] += mu
+
+
+@njit(cache=True, inline="always")
+def stiffness(gradient, volume, H, J, constants, g, K):  # type: ignore[no-untyped-def]
+    """Fill the tangent of a linear tetrahedron, blocks b ≥ a, in a third of the time.
+
+    With g_a = F⁻ᵀ ∂N_a/∂X, V A contracted with both gradients is
+    K_aibk = V (μ δ_ik ∂N_a·∂N_b + (μ − λ ln J) g_ak g_bi + λ g_ai g_bk).
+    """
+    lam, mu = volume * constants[0], volume * constants[1]
+    q = mu - lam * np.log(J)
+    for a in range(4):
+        for i in range(3):
+            g[a, i] = (
+                H[i, 0] * gradient[a, 0]
+                + H[i, 1] * gradient[a, 1]
+                + H[i, 2] * gradient[a, 2]
+            )
+    for a in range(4):
+        for b in range(a, 4):
+            same = mu * (
+                gradient[a, 0] * gradient[b, 0]
+                + gradient[a, 1] * gradient[b, 1]
+                + gradient[a, 2] * gradient[b, 2]
+            )
+            for i in range(3):
+                for k in range(3):
+                    K[a, b, i, k] = q * g[a, k] * g[b, i] + lam * g[a, i] * g[b, k]
+                K[a, b, i, i] += same
