@@ -75,6 +75,11 @@ OPTIONS_BEFORE: Mapping[str, Mapping[str, Any]] = {
 }
 """Options that came later or had another default: what records without them mean."""
 
+OTHER_LABELS: Mapping[str, Mapping[str, Any]] = {
+    "lifted": {"submodel_hops": 0, "relaxed_patches": 0},
+}
+"""Defaults where a dataset's displacements are no equilibria of its elements."""
+
 
 def method_name(name: str) -> str:
     """Return what a method is called now."""

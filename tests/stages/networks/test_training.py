@@ -1,11 +1,21 @@
 """What a training is asked for must be something that it uses."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from physgnn.dataset import Preset
 from physgnn.errors import InputError
+from physgnn.geometry.tetmesh import TetMesh
+from physgnn.learning.runs.checkpoint import read_record
+from physgnn.learning.training.config import TrainingConfig
+from physgnn.mechanics import LoadPath, NeoHookean
+from physgnn.mechanics.loads.sampling import equal_levels
 from physgnn.stages import train
+from physgnn.stages.datasets.simulation import simulate_mesh
+from physgnn.stages.networks.training import train_run
 
 
 @pytest.mark.parametrize(
@@ -23,3 +33,28 @@ def test_settings_of_steps_are_refused_for_what_has_none(
     with pytest.raises(InputError, match=f"not trained by steps: leave {named} out"):
         train(tmp_path / "loads.zarr", tmp_path / "run", model="extra-trees", **given)
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("solver", ["physgnn", "mtled"])
+def test_steps_to_equilibrium_are_taken_where_the_labels_are_in_it(
+    block: TetMesh, solver: str, tmp_path: Path
+) -> None:
+    soft, stiff = NeoHookean(3000.0, 0.3), NeoHookean(7500.0, 0.3)
+    preset = Preset({0: soft, 1: stiff}, pushes)
+    simulate_mesh(block, preset, tmp_path / "loads.zarr", solver=solver)
+    small = {"anchors": 1, "width": 4, "layers": 1, "response_modes": 2}
+    config = TrainingConfig("lifted", options=small, max_epochs=1)
+    asked = replace(config, options={**small, "relaxed_patches": 3})
+    for name, given, patches in (("a", config, None), ("b", asked, 3)):
+        run = tmp_path / name
+        train_run(tmp_path / "loads.zarr", "path", given, run)
+        options = read_record(run)["config"]["options"]
+        own = solver == "physgnn"
+        assert options["submodel_hops"] == (5 if own else 0)
+        assert options["relaxed_patches"] == (patches or (8 if own else 0))
+
+
+def pushes(_: TetMesh, loaded: np.ndarray) -> list[LoadPath]:
+    forces = np.array([[0.0, 1e-3, -4e-3]])
+    levels = equal_levels(2)
+    return [LoadPath(loaded[[i]], (1 + i / 9) * forces, levels) for i in range(4)]

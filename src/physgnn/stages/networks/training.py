@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from physgnn.config import read_training
 from physgnn.dataset import Split, Store, named_split
+from physgnn.dataset.label_balance import in_balance
 from physgnn.dataset.splits.meshes import split_meshes
 from physgnn.errors import InputError
 from physgnn.progress import Progress
@@ -186,6 +187,7 @@ def train_run(
     # Training keeps what it read in a file: the store needn't keep it too.
     opened = [Store.open(path, cache_bytes=128 * 2**20) for path in paths]
     parts = _splits(split, opened)
+    config = _as_labels_are(config, opened)
     checkpoint = train_model(opened, parts, config, run, progress=progress, **options)
     if is_first_process():
         if len(opened) == 1:
@@ -201,6 +203,18 @@ def _splits(name: str | None, stores: Sequence[Store]) -> list[Split]:
     if name not in (None, "mesh"):
         raise InputError(f"several datasets have split mesh only (got {name})")
     return split_meshes(stores)
+
+
+def _as_labels_are(
+    config: "TrainingConfig", stores: Sequence[Store]
+) -> "TrainingConfig":
+    """Leave out steps to an equilibrium that labels are not in, unless asked for."""
+    from physgnn.learning.models import OTHER_LABELS
+
+    off = OTHER_LABELS.get(config.model, {})
+    if not off or all(in_balance(store) for store in stores):
+        return config
+    return replace(config, options={**off, **config.options})
 
 
 def _as_begun(config: "TrainingConfig", begun: "Checkpoint") -> "TrainingConfig":
