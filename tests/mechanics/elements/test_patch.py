@@ -8,9 +8,9 @@ from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import MooneyRivlin, NeoHookean
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.elements.patch import energy, grow, newton_system
+from physgnn.mechanics.elements.patch import grow, newton_system
 from physgnn.mechanics.elements.tangent import assemble_tangent
-from physgnn.mechanics.elements.tet4 import internal_force, strain_energy
+from physgnn.mechanics.elements.tet4 import energy_of, internal_force, strain_energy
 
 SOFT, STIFF = NeoHookean(3000.0, 0.45), NeoHookean(7500.0, 0.45)
 RUBBER = MooneyRivlin(c1_pa=400.0, c2_pa=100.0, bulk_modulus_pa=9000.0)
@@ -68,9 +68,9 @@ def test_its_system_is_that_part_of_the_bodys(
     np.testing.assert_allclose(
         force, internal_force(E, u)[0][points].ravel(), atol=1e-12
     )
-    assert total == pytest.approx(energy(touched, *arrays, u), rel=1e-12)
+    assert total == pytest.approx(energy_of(touched, *arrays, u), rel=1e-12)
     every = np.arange(len(E.cells))
-    assert energy(every, *arrays, u) == pytest.approx(strain_energy(E, u), rel=1e-12)
+    assert energy_of(every, *arrays, u) == pytest.approx(strain_energy(E, u), rel=1e-12)
 
 
 def test_an_inverted_cell_is_told(block: TetMesh) -> None:
@@ -83,4 +83,4 @@ def test_an_inverted_cell_is_told(block: TetMesh) -> None:
     K, force = np.zeros((3 * len(points),) * 2, np.float32), np.zeros(3 * len(points))
     arrays = (E.cells, E.gradients, E.rest, E.volumes, E.law, E.constants)
     assert newton_system(touched, *arrays, u, place, K, force) == np.inf
-    assert energy(touched, *arrays, u) == np.inf
+    assert energy_of(touched, *arrays, u) == np.inf

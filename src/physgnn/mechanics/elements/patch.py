@@ -99,16 +99,3 @@ def newton_system(  # type: ignore[no-untyped-def]
                         if j >= 0:
                             K[3 * i + r, 3 * j + c] += value
     return total
-
-
-@njit(cache=True)
-def energy(touched, cells, gradients, rest, volumes, law, constants, u):  # type: ignore[no-untyped-def]
-    """Return the strain energy of some cells, N mm; infinite if one is inverted."""
-    F, H = np.empty((3, 3)), np.empty((3, 3))
-    total = 0.0
-    for e in touched:
-        J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
-        if not J > 0.0:
-            return np.inf
-        total += volumes[e] * table.energy(law[e], F, J, constants[e])
-    return total

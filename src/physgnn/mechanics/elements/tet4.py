@@ -172,10 +172,11 @@ def _internal_force(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _strain_energy(cells, gradients, rest, volumes, law, constants, u):  # type: ignore[no-untyped-def]
+def energy_of(chosen, cells, gradients, rest, volumes, law, constants, u):  # type: ignore[no-untyped-def]
+    """Return the strain energy of some cells, N mm; infinite if one is inverted."""
     F, H = np.empty((3, 3)), np.empty((3, 3))
     total = 0.0
-    for e in range(len(cells)):
+    for e in chosen:
         J = kinematics(cells[e], gradients[e], rest[e], u, F, H)
         if not J > 0.0:
             return np.inf
@@ -254,7 +255,8 @@ def strain_energy(elements: Elements, u: FloatArray) -> float:
     """Σ_e V W(F), N·mm; infinite if a cell is inverted."""
     check_state(elements, u)
     total = float(
-        _strain_energy(
+        energy_of(
+            np.arange(len(elements.cells)),
             elements.cells,
             elements.gradients,
             elements.rest,

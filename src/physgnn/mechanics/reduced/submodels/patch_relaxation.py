@@ -3,7 +3,7 @@
 What a network leaves of the error is largest in a few places under the load. There a
 patch, the points within two edges of one, takes one step of Newton's method, all other
 points staying where they are: a multiplicative Schwarz method (Smith, Bjørstad & Gropp
-1996, *Domain Decomposition*, section 1.1) that visits the worst patches alone. With
+1996, *Domain Decomposition*, chapter 1) that visits the worst patches alone. With
 D the points' own 3 × 3 blocks of the stiffness at rest, |D⁻¹ (f − f_int(u))| tells
 which they are: how far a point would go by itself.
 """
@@ -17,8 +17,9 @@ from scipy.linalg.lapack import sposv
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.inverted import extrapolated_force
-from physgnn.mechanics.elements.patch import energy, grow, newton_system
+from physgnn.mechanics.elements.patch import grow, newton_system
 from physgnn.mechanics.elements.subset import some_cells
+from physgnn.mechanics.elements.tet4 import energy_of
 
 K_HOPS = 2  # of a patch: one hop does half as much, three take ten times as long
 LEAST_MM = 0.01  # a point that would go less far is left where it is
@@ -116,7 +117,7 @@ class PatchRelaxation:
         step, start = found.reshape(-1, 3).astype(np.float64), u[points]
         for _ in range(HALVINGS + 1):
             u[points] = start + step
-            if energy(touched, *arrays, u) - float((load * step).sum()) <= before:
+            if energy_of(touched, *arrays, u) - float((load * step).sum()) <= before:
                 return
             step /= 2
         u[points] = start
