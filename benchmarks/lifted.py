@@ -20,6 +20,7 @@ import torch
 
 from physgnn.choices import Estimate
 from physgnn.dataset import Store
+from physgnn.learning.graph import graph_of
 from physgnn.learning.lifted.model import LiftedModel
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.mechanics.loads.paths import LoadCase
@@ -45,7 +46,7 @@ def median_ms(
 
 
 def parts(model: LiftedModel) -> dict[str, Callable[[LoadCase], object]]:
-    n = model.body.mesh.n_points
+    n, graph = model.body.mesh.n_points, graph_of(model.body)
     terms = model.expansion
 
     def first(case: LoadCase) -> object:
@@ -57,11 +58,16 @@ def parts(model: LiftedModel) -> dict[str, Callable[[LoadCase], object]]:
         about = terms.about(force)
         return about.curvature(about.first(force))
 
+    @torch.inference_mode()
+    def unrefined(case: LoadCase) -> object:
+        return model(model.encode(case).unsqueeze(0), graph)
+
     return {
         "u₁": first,
         "u₁, second variation": until_curvature,
         "u₁, second variation, u₂": lambda case: terms.expand(case.on_points(n)),
         "the same as the network's inputs": model.encode,
+        "network and response modes": unrefined,
     }
 
 
@@ -89,7 +95,7 @@ def main() -> None:
     assert isinstance(model, LiftedModel)
     steps = {
         **parts(model),
-        "displacement: with the network": predictor.surrogate.predict,
+        "displacement: with the worst patches relaxed": predictor.surrogate.predict,
         "prediction: with quick error bound and trained range": partial(
             predictor, estimate=Estimate.QUICK
         ),
