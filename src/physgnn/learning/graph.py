@@ -7,6 +7,7 @@ from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
+import scipy.sparse as sp
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
@@ -140,13 +141,14 @@ def graph_of(body: Body) -> Graph:
 
 def _edges(cells: NDArray[np.int32]) -> tuple[IntArray, IntArray]:
     """Return start and end of every edge both ways, sorted by start, then end."""
-    n_points = int(cells.max()) + 1
+    n = int(cells.max()) + 1
     pairs = [(i, j) for i in range(4) for j in range(4) if i != j]
-    wide = cells.astype(np.int64)
-    keys = np.unique(
-        np.concatenate([wide[:, i] * n_points + wide[:, j] for i, j in pairs])
-    )
-    return keys // n_points, keys % n_points
+    start, end = (np.concatenate([cells[:, pair[k]] for pair in pairs]) for k in (0, 1))
+    once = np.ones(len(start), dtype=np.int8)
+    matrix = sp.coo_array((once, (start, end)), shape=(n, n)).tocsr()
+    matrix.sort_indices()
+    row = np.repeat(np.arange(n), np.diff(matrix.indptr))
+    return row, matrix.indices.astype(np.int64)
 
 
 def _row_start(row: Tensor, n_rows: int) -> Tensor:
