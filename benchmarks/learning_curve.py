@@ -34,14 +34,17 @@ from seeds import settings
 from tables import machine, table
 
 VALIDATED = 120  # samples to validate on: more cost what training should have
-UNTRAINED = "expansion"  # the lifted network before it has learnt anything
+UNTRAINED: dict[str, dict[str, Any]] = {  # the lifted network before it has learnt
+    "expansion": {"relaxed_patches": 0},
+    "expansion-relaxed": {},
+}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("store", type=Path)
     parser.add_argument("-o", "--out", type=Path, required=True)
-    parser.add_argument("--models", nargs="+", default=[UNTRAINED, "lifted"])
+    parser.add_argument("--models", nargs="+", default=["expansion", "lifted"])
     parser.add_argument("--paths", type=int, nargs="+", required=True)
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     parser.add_argument("--split", choices=SPLITS, default="path")
@@ -57,7 +60,7 @@ def main() -> None:
     given.out.mkdir(parents=True, exist_ok=True)
     rows = []
     for model in given.models:
-        draws = model_class(model).draws if model != UNTRAINED else False
+        draws = model not in UNTRAINED and model_class(model).draws
         for n_paths in given.paths:
             part = first_paths(split, n_paths, given.every)
             found = [
@@ -109,11 +112,12 @@ def made(
     run: Path,
 ) -> Row:
     """Return a row of the table: fitted when measured, or trained now."""
-    kind = "lifted" if model == UNTRAINED else model
-    if model == UNTRAINED or not issubclass(model_class(kind), Network):
+    kind = "lifted" if model in UNTRAINED else model
+    if model in UNTRAINED or not issubclass(model_class(kind), Network):
+        options = {**UNTRAINED.get(model, {}), **given.options}
 
         def fitted() -> Predictor:
-            surrogate = build_model(kind, store.body, **given.options)
+            surrogate = build_model(kind, store.body, **options)
             surrogate.fit(store, split.train, seed)
             return Predictor(surrogate)
 

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from physgnn.learning.training.config import TrainingConfig
 
 DEFAULT_MODEL = "lifted"
-OF_PHYSGNN = frozenset({"configuration", "dataset", "normaliser"})
+OF_PHYSGNN = frozenset(
+    {"configuration", "dataset", "normaliser", "depth", "jumping_knowledge"}
+)
 """Options that the published network alone has: who names one means it."""
 
 

@@ -54,6 +54,23 @@ def test_steps_to_equilibrium_are_taken_where_the_labels_are_in_it(
         assert options["relaxed_patches"] == (patches or (8 if own else 0))
 
 
+def test_a_run_to_begin_with_does_not_ask_for_them(
+    block: TetMesh, tmp_path: Path
+) -> None:
+    preset = Preset({0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}, pushes)
+    small = {"anchors": 1, "width": 4, "layers": 1, "response_modes": 2}
+    config = TrainingConfig("lifted", options=small, max_epochs=1)
+    for solver in ("physgnn", "mtled"):
+        simulate_mesh(block, preset, tmp_path / f"{solver}.zarr", solver=solver)
+    train_run(tmp_path / "physgnn.zarr", "path", config, tmp_path / "own")
+    other = TrainingConfig("lifted", max_epochs=1)
+    begun = tmp_path / "begun"
+    train_run(tmp_path / "mtled.zarr", "path", other, begun, start=tmp_path / "own")
+    options = read_record(begun)["config"]["options"]
+    assert (options["submodel_hops"], options["relaxed_patches"]) == (0, 0)
+    assert options["width"] == 4
+
+
 def pushes(_: TetMesh, loaded: np.ndarray) -> list[LoadPath]:
     forces = np.array([[0.0, 1e-3, -4e-3]])
     levels = equal_levels(2)

@@ -87,10 +87,11 @@ class Prepared:
         """Return what carries the network's forces through the body, on a device."""
         if device not in self._carried:
             points = self.region_on(device).points
-            responses, loaded = (
-                self._buffers[name].to(device) for name in ("responses", "loaded")
-            )
-            self._carried[device] = CarriedForces.of(responses, loaded, points)
+            with torch.inference_mode(False):  # a copy on a device must serve it, too
+                responses, loaded = (
+                    self._buffers[name].to(device) for name in ("responses", "loaded")
+                )
+                self._carried[device] = CarriedForces.of(responses, loaded, points)
         return self._carried[device]
 
     def release(self) -> None:

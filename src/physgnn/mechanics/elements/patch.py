@@ -63,6 +63,17 @@ def newton_system(  # type: ignore[no-untyped-def]
 ):
     """Add up the stiffness K, its lower half, and the force of a patch's points.
 
+    Parameters
+    ----------
+    touched : array
+        The patch's cells, as `grow` finds them.
+    u : (n_points, 3) array
+        mm.
+    place : (n_points,) array
+        As `grow` leaves it.
+    K, force : (3 n, 3 n) and (3 n,) arrays
+        Zero before; N/mm and N. Of no use if a cell is inverted.
+
     Returns
     -------
     float

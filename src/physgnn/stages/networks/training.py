@@ -1,5 +1,6 @@
 """From a dataset to a trained run with calibrated bounds."""
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -180,6 +181,7 @@ def train_run(
         calibrate_run,
     )
 
+    asked = config.options
     if start is not None:
         options["start"] = begun = Checkpoint.load(start)
         config = _as_begun(config, begun)
@@ -187,7 +189,7 @@ def train_run(
     # Training keeps what it read in a file: the store needn't keep it too.
     opened = [Store.open(path, cache_bytes=128 * 2**20) for path in paths]
     parts = _splits(split, opened)
-    config = _as_labels_are(config, opened)
+    config = _as_labels_are(config, asked, opened)
     checkpoint = train_model(opened, parts, config, run, progress=progress, **options)
     if is_first_process():
         if len(opened) == 1:
@@ -206,15 +208,25 @@ def _splits(name: str | None, stores: Sequence[Store]) -> list[Split]:
 
 
 def _as_labels_are(
-    config: "TrainingConfig", stores: Sequence[Store]
+    config: "TrainingConfig", asked: Mapping[str, Any], stores: Sequence[Store]
 ) -> "TrainingConfig":
     """Leave out steps to an equilibrium that labels are not in, unless asked for."""
     from physgnn.learning.models import OTHER_LABELS
 
-    off = OTHER_LABELS.get(config.model, {})
+    off = {
+        name: value
+        for name, value in OTHER_LABELS.get(config.model, {}).items()
+        if name not in asked
+    }
     if not off or all(in_balance(store) for store in stores):
         return config
-    return replace(config, options={**off, **config.options})
+    settings = ", ".join(f"{name} = {value}" for name, value in off.items())
+    logging.getLogger(__name__).warning(
+        "the displacements to learn from are no equilibria of the mesh's elements: "
+        "steps to such are left out (%s)",
+        settings,
+    )
+    return replace(config, options={**config.options, **off})
 
 
 def _as_begun(config: "TrainingConfig", begun: "Checkpoint") -> "TrainingConfig":

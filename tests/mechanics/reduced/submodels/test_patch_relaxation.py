@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from physgnn.arrays import FloatArray
+from physgnn.errors import InputError
 from physgnn.geometry.mesh_topology import points_within
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import LoadPath, NeoHookean, Ogden, SolverOptions, solve
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import strain_energy
+from physgnn.mechanics.reduced.submodels import patch_relaxation
 from physgnn.mechanics.reduced.submodels.patch_relaxation import (
     K_HOPS,
     PatchRelaxation,
@@ -116,3 +118,31 @@ def test_a_patch_with_an_inverted_cell_is_left_alone(block: TetMesh) -> None:
     u[inner_point(block)] += 20.0
     relax = PatchRelaxation(body, np.ones(block.n_points, dtype=bool), 1)
     np.testing.assert_array_equal(relax(force, u), u)
+
+
+@pytest.mark.parametrize("k_hops", [2, 1, None])
+def test_a_patch_of_many_points_shrinks_or_is_left(
+    block: TetMesh, k_hops: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    body = Body(block, LAWS[0])
+    force, u = equilibrium(body)
+    centre = np.array([inner_point(block)])
+    free = np.ones(block.n_points, dtype=bool)
+    free[body.fixed] = False
+    within = {k: points_within(block, centre, k) & free for k in (1, 2)}
+    assert within[1].sum() < within[2].sum()
+    most = 0 if k_hops is None else within[k_hops].sum()
+    monkeypatch.setattr(patch_relaxation, "MOST_POINTS", most)
+    guess = u.copy()
+    guess[centre] += 0.1
+    near = np.zeros(block.n_points, dtype=bool)
+    near[centre] = True
+    moved = (PatchRelaxation(body, near, 1)(force, guess) != guess).any(axis=1)
+    expected = np.zeros_like(moved) if k_hops is None else within[k_hops]
+    np.testing.assert_array_equal(moved, expected)
+
+
+def test_averaged_elements_are_refused(block: TetMesh) -> None:
+    body = Body(block, LAWS[0], element="tet4-averaged")
+    with pytest.raises(InputError, match="tet4 elements"):
+        PatchRelaxation(body, np.ones(block.n_points, dtype=bool), 1)

@@ -15,13 +15,15 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import sposv
 
 from physgnn.arrays import BoolArray, FloatArray
+from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.inverted import extrapolated_force
 from physgnn.mechanics.elements.patch import grow, newton_system
 from physgnn.mechanics.elements.subset import some_cells
-from physgnn.mechanics.elements.tet4 import energy_of
+from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, energy_of
 
 K_HOPS = 2  # of a patch: one hop does half as much, three take ten times as long
+MOST_POINTS = 200  # of a patch, whose matrix is dense; a larger one shrinks to one hop
 LEAST_MM = 0.01  # a point that would go less far is left where it is
 HALVINGS = 3  # of a step that raises the energy; then it is not taken
 
@@ -37,9 +39,18 @@ class PatchRelaxation:
         Where patches may have their centre.
     n_patches : int
         How many to relax at most.
+
+    Raises
+    ------
+    InputError
+        If the body's elements are averaged.
     """
 
     def __init__(self, body: Body, near: BoolArray, n_patches: int) -> None:
+        if body.element != DEFAULT_ELEMENT:
+            raise InputError(
+                f"patches are of {DEFAULT_ELEMENT} elements (got {body.element})"
+            )
         elements = body.elements
         self._elements, self._n_patches = elements, n_patches
         self._arrays = (
@@ -70,7 +81,11 @@ class PatchRelaxation:
         """
         u = displacement.copy()
         for centre in self._worst(force, u):
-            self._step(self._patch(centre), force, u)
+            for k_hops in range(K_HOPS, 0, -1):
+                patch = self._patch(centre, k_hops)
+                if len(patch.points) <= MOST_POINTS:
+                    self._step(patch, force, u)
+                    break
         return u
 
     def _worst(self, force: FloatArray, u: FloatArray) -> list[int]:
@@ -92,14 +107,14 @@ class PatchRelaxation:
             length[self._elements.cells[cells]] = 0.0
         return found
 
-    def _patch(self, centre: int) -> "_Patch":
+    def _patch(self, centre: int, k_hops: int) -> "_Patch":
         cells, n = self._elements.cells, self._elements.n_points
         place = np.full(n, -1, dtype=np.int32)
         points, touched = np.empty(n, np.int32), np.empty(len(cells), np.int32)
         seen = np.zeros(len(cells), dtype=np.bool_)
         around = self._first_cell, self._cells_of, self._free
         n_points, n_touched = grow(
-            centre, K_HOPS, cells, *around, place, points, touched, seen
+            centre, k_hops, cells, *around, place, points, touched, seen
         )
         return _Patch(points[:n_points], touched[:n_touched], place)
 
