@@ -16,7 +16,7 @@ ABLE_TO_BE_LONG = ("results",)
 # private words, and words of a diary; the field's stand in CONTRIBUTING.md
 UNWANTED = re.compile(
     r"\b(asked for|was asked|tried and|trials whose|wanted:|certified|anchor tree|"
-    r"settling|known states|load share|way back|mended)\b"
+    r"settling|known states|load share|way back|mended)\b|@[A-Z]+@"
 )
 IDS = [name_of(page) for page in PAGES]
 
