@@ -23,7 +23,7 @@ YOUNGS_MODULUS_PA, POISSONS_RATIO = 3000.0, 0.4
 STRETCH = np.array([0.1, -0.05, 0.2])  # u = z times this
 FORCE_N, RADIUS_MM = 1.0, 20.0  # on the bundled brain
 STORED = {
-    "network": (6.295517, 0.397422),
+    "network": (6.289046, 0.397155),
     "finite elements": (6.301419, 0.397660),
 }
 """Largest and mean displacement under that load, mm, made by this package."""
