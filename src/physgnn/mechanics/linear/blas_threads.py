@@ -8,14 +8,22 @@ threads, which factorise sparse matrices, are left alone.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 
 from threadpoolctl import ThreadpoolController
 
 OPENBLAS = "openblas"
 
 
+@cache
+def _openblas() -> ThreadpoolController:
+    import scipy.linalg  # noqa: F401 (NumPy and SciPy have a library each: both are there)
+
+    return ThreadpoolController().select(internal_api=OPENBLAS)
+
+
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
     """Have NumPy and SciPy multiply and solve in one thread inside of this."""
-    with ThreadpoolController().select(internal_api=OPENBLAS).limit(limits=1):
+    with _openblas().limit(limits=1):
         yield

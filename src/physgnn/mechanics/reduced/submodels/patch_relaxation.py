@@ -21,6 +21,7 @@ from physgnn.mechanics.elements.inverted import extrapolated_force
 from physgnn.mechanics.elements.patch import grow, newton_system
 from physgnn.mechanics.elements.subset import some_cells
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, energy_of
+from physgnn.mechanics.linear.blas_threads import one_blas_thread
 
 K_HOPS = 2  # of a patch: one hop does half as much, three take ten times as long
 MOST_POINTS = 200  # of a patch, whose matrix is dense; a larger one shrinks to one hop
@@ -80,12 +81,13 @@ class PatchRelaxation:
             The prediction, mm; a patch in which it inverts a cell is left as it is.
         """
         u = displacement.copy()
-        for centre in self._worst(force, u):
-            for k_hops in range(K_HOPS, 0, -1):
-                patch = self._patch(centre, k_hops)
-                if len(patch.points) <= MOST_POINTS:
-                    self._step(patch, force, u)
-                    break
+        with one_blas_thread():
+            for centre in self._worst(force, u):
+                for k_hops in range(K_HOPS, 0, -1):
+                    patch = self._patch(centre, k_hops)
+                    if len(patch.points) <= MOST_POINTS:
+                        self._step(patch, force, u)
+                        break
         return u
 
     def _worst(self, force: FloatArray, u: FloatArray) -> list[int]:
