@@ -174,21 +174,9 @@ def _add_pressure_tangent(pJ, H, A):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _assemble(  # type: ignore[no-untyped-def]
-    chosen,
-    cells,
-    gradients,
-    rest,
-    volumes,
-    law,
-    constants,
-    pressure,
-    u,
-    row,
-    slot,
-    indptr,
-    data,
-    convex,
-):
+    chosen, cells, gradients, rest, volumes, law, constants, pressure, u,
+    row, slot, indptr, data, convex,
+):  # fmt: skip
     F, H = np.empty((3, 3)), np.empty((3, 3))
     A, Ag = np.empty((3, 3, 3, 3)), np.empty((3, 3, 3))
     K, room = np.empty((4, 4, 3, 3)), (A, Ag, np.empty((4, 3)))
