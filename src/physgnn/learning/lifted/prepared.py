@@ -9,12 +9,12 @@ from torch import Tensor
 
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.learning.lifted.carried_forces import CarriedForces
-from physgnn.learning.lifted.force_left import ForceLeft
 from physgnn.learning.lifted.network import NetworkRegion
 from physgnn.mechanics.body import Body
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
+from physgnn.mechanics.reduced.submodels.force_left import ForceLeft
 from physgnn.mechanics.reduced.submodels.patch_relaxation import PatchRelaxation
 
 

@@ -17,11 +17,11 @@ from scipy.linalg.lapack import sposv
 from physgnn.arrays import BoolArray, FloatArray
 from physgnn.errors import InputError
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.elements.inverted import extrapolated_force
 from physgnn.mechanics.elements.patch import grow, newton_system
 from physgnn.mechanics.elements.subset import some_cells
 from physgnn.mechanics.elements.tet4 import DEFAULT_ELEMENT, energy_of
 from physgnn.mechanics.linear.blas_threads import one_blas_thread
+from physgnn.mechanics.reduced.submodels.force_left import ForceLeft
 
 K_HOPS = 2  # of a patch: one hop does half as much, three take ten times as long
 MOST_POINTS = 200  # of a patch, whose matrix is dense; a larger one shrinks to one hop
@@ -61,10 +61,10 @@ class PatchRelaxation:
         n = elements.n_points
         self._free = np.ones(n, dtype=np.bool_)
         self._free[body.fixed] = False
-        self._centres = np.flatnonzero(near & self._free)
+        self._left = ForceLeft(body, near)
         around = np.asarray(near[elements.cells].any(axis=1), dtype=np.bool_)
-        self._near = some_cells(elements, around)
-        self._blocks = np.linalg.inv(_blocks_at_rest(body, around)[self._centres])
+        blocks = _blocks_at_rest(body, around)[self._left.points]
+        self._inverses = np.linalg.inv(blocks)
         corners = elements.cells.ravel()
         self._cells_of = (np.argsort(corners, kind="stable") // 4).astype(np.int32)
         counts = np.bincount(corners, minlength=n)
@@ -92,11 +92,10 @@ class PatchRelaxation:
 
     def _worst(self, force: FloatArray, u: FloatArray) -> list[int]:
         """Return centres that are no neighbours, the worst one first."""
-        inner, _ = extrapolated_force(self._near, u)
-        left = (force - inner)[self._centres]
-        alone = np.einsum("nij,nj->ni", self._blocks, left)
+        left = self._left.at_points(force, u)
+        alone = np.einsum("nij,nj->ni", self._inverses, left)
         length = np.zeros(len(u))
-        length[self._centres] = np.sqrt(np.einsum("ni,ni->n", alone, alone))
+        length[self._left.points] = np.sqrt(np.einsum("ni,ni->n", alone, alone))
         found: list[int] = []
         while len(found) < self._n_patches:
             worst = int(length.argmax())

@@ -1,7 +1,7 @@
-"""By how much an expansion is out of balance near the loads, for the network to see.
+"""By how much a displacement is out of balance near the loads.
 
-The force that is left, f − f_int(u), is zero where the expansion is right. It tells the
-network where it is wrong, and which way the cells there would go.
+The force that is left, f − f_int(u), is zero where the displacement is right. It tells
+where it is wrong, and which way the cells there would go.
 """
 
 import numpy as np
@@ -22,6 +22,11 @@ class ForceLeft:
         With averaged elements nothing is found: lone cells do not have their pressure.
     near : (n_points,) boolean array
         The points.
+
+    Attributes
+    ----------
+    points : integer array
+        Those of them that are free.
     """
 
     def __init__(self, body: Body, near: BoolArray) -> None:
@@ -31,7 +36,15 @@ class ForceLeft:
             self._elements = some_cells(body.elements, cells)
         free = np.ones(len(near), dtype=np.bool_)
         free[body.fixed] = False
-        self._points = np.flatnonzero(near & free)
+        self.points = np.flatnonzero(near & free)
+
+    def at_points(self, force: FloatArray, displacement: FloatArray) -> FloatArray:
+        """Return what is left of a load at `points`, (n, 3) N; see `__call__`."""
+        if self._elements is None:
+            return np.zeros((len(self.points), 3))
+        inner, _ = extrapolated_force(self._elements, displacement)
+        left: FloatArray = (force - inner)[self.points]
+        return left
 
     def __call__(self, force: FloatArray, displacement: FloatArray) -> FloatArray:
         """Return what is left of a load, (n_points, 3) N; zero beyond and where fixed.
@@ -44,7 +57,5 @@ class ForceLeft:
             mm; it may invert cells (`physgnn.mechanics.elements.inverted`).
         """
         left = np.zeros_like(force)
-        if self._elements is not None:
-            inner, _ = extrapolated_force(self._elements, displacement)
-            left[self._points] = (force - inner)[self._points]
+        left[self.points] = self.at_points(force, displacement)
         return left
