@@ -35,8 +35,8 @@ from physgnn.mechanics.equilibrium.reference_states import (
 )
 from physgnn.mechanics.loads.paths import LoadCase
 from physgnn.mechanics.reduced.expansions.anchors import (
+    expected_anchors,
     loads_held_by,
-    mean_load_anchors,
 )
 from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
 from physgnn.mechanics.reduced.expansions.response_modes import softest_responses
@@ -190,7 +190,7 @@ class LiftedModel(Network):
         near = points_within(self.body.mesh, loaded, self.k_hops)
         self.near.copy_(torch.from_numpy(near))
         n_anchors = len(self.anchor_states)
-        states = mean_load_anchors(self._turned, forces @ self._axes64.T, n_anchors)
+        states = expected_anchors(self._turned, forces @ self._axes64.T, n_anchors)
         self.anchor_states.copy_(torch.from_numpy(states))
         self._forget()
         surface = boundary_points(self.body.mesh)  # a load may come beside those known

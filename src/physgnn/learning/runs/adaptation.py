@@ -22,7 +22,7 @@ def adapt(checkpoint: Checkpoint, body: Body, forces: FloatArray) -> Checkpoint:
         Any.
     forces : (n_loads, n_points, 3) array
         Loads like those to come on it, each at its strongest, N; the equilibria to
-        expand about are found under their mean.
+        expand about are found near them.
 
     Raises
     ------

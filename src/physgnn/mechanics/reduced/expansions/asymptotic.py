@@ -8,8 +8,8 @@ method: Damil & Potier-Ferry 1990, Int. J. Eng. Sci. 28):
 
 and s = 1 is the load asked for. Of the third order there is, if wanted, the part that
 finite rotation and strain bring (`exponential`). With the rest state as ū, u₁ is the
-linear solution. Loads of one kind lie much nearer to one another than to rest, so a few
-equilibria under their mean load, the anchors, serve all of them.
+linear solution. Expected loads lie much nearer to one another than to rest, so a few
+equilibria among them, the anchors, serve all of them.
 """
 
 from collections.abc import Callable

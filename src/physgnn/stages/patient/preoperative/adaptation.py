@@ -103,7 +103,8 @@ def adapt_run(
         The new patient's.
     preset : str or Preset
         Where it's held and loaded, and what it's made of. Its load paths say what
-        loads to expect; they are not solved, but for a path under their mean.
+        loads to expect; they are not solved, but for a path under their mean, or
+        under each of their clusters.
     out : path
         Folder for the new run.
 
