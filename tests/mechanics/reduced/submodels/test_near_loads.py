@@ -6,7 +6,8 @@ import pytest
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.mechanics import LoadCase, LoadPath, NeoHookean, SolverOptions, solve
 from physgnn.mechanics.body import Body
-from physgnn.mechanics.reduced.submodels.near_loads import FEW, NearLoads
+from physgnn.mechanics.reduced.submodels import near_loads as module
+from physgnn.mechanics.reduced.submodels.near_loads import FEW, LEAST_HOPS, NearLoads
 
 MATERIALS = {0: NeoHookean(3000.0, 0.45), 1: NeoHookean(7500.0, 0.45)}
 
@@ -40,3 +41,25 @@ def test_other_displacements_are_left_alone(
     near = NearLoads(Body(block, MATERIALS, element=element), reach)
     answer = np.full(block.points.shape, 0.1)
     assert near.corrected(push(block, n_nodes), answer) is answer
+
+
+def test_another_equilibrium_far_off_is_not_taken(
+    block: TetMesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As where cells snap through: the submesh is in balance, but not near by."""
+    near, answer = (
+        NearLoads(Body(block, MATERIALS), 4),
+        np.full(block.points.shape, 0.1),
+    )
+    tried, far = [], [0.3]
+
+    def solved(*given: object) -> np.ndarray:
+        tried.append(len(given[1]))
+        return given[2] + far[0]
+
+    monkeypatch.setattr(module, "solve_submesh", solved)
+    assert near.corrected(push(block, 1), answer) is answer
+    assert tried == sorted(tried, reverse=True)
+    assert len(tried) == 4 - LEAST_HOPS + 1
+    far[0] = 0.05
+    np.testing.assert_array_equal(near.corrected(push(block, 1), answer), answer + 0.05)

@@ -35,17 +35,21 @@ class NearLoads:
         """Return a prediction (n_points, 3), mm, with cells near the load in balance.
 
         It is the one given if the load acts on many points, or if no equilibrium is
-        found.
+        found, or only one that is farther off than the prediction goes: then cells have
+        snapped through to another.
         """
         if not self._acts_on_few(load_case):
             return displacement
         force = load_case.on_points(self._body.mesh.n_points)
         loaded = np.flatnonzero(force.any(axis=1))
+        farthest = np.linalg.norm(displacement, axis=1).max()
         # Where an outer cell is turned over, a smaller submesh may still do.
         for k_hops in range(self._k_hops, min(self._k_hops, LEAST_HOPS) - 1, -1):
             points = np.flatnonzero(points_within(self._body.mesh, loaded, k_hops))
             found = solve_submesh(self._body, points, displacement, force)
-            if found is not None:
+            if found is None:
+                continue
+            if np.linalg.norm(found - displacement, axis=1).max() <= farthest:
                 return found
         return displacement
 
