@@ -15,6 +15,7 @@ from physgnn.mechanics.reduced.expansions.anchors import (
     loads_held_by,
 )
 from physgnn.mechanics.reduced.expansions.asymptotic import AsymptoticExpansion
+from physgnn.mechanics.reduced.submodels.near_loads import FEW
 
 MATERIALS = {0: NeoHookean(3000.0, 0.3), 1: NeoHookean(7500.0, 0.3)}
 
@@ -69,6 +70,19 @@ def test_loads_in_two_places_have_a_state_in_each(body: Body) -> None:
 def test_a_few_loads_have_no_states_of_their_own(body: Body) -> None:
     forces = pushes(body, 2, 2 * LOADS_A_CLUSTER - 1)
     assert along_the_mean(body, forces, expected_anchors(body, forces, 2))
+
+
+def test_forces_on_single_points_need_a_state_for_each_place(body: Body) -> None:
+    forces = pushes(body, 3, 30)
+    assert along_the_mean(body, forces, expected_anchors(body, forces, 2))
+    assert not along_the_mean(body, forces, expected_anchors(body, forces, 3))
+
+
+def test_patches_need_none_for_each_place(body: Body) -> None:
+    forces = pushes(body, 3, 30)
+    beside = body.mesh.point_set("loaded")[: FEW + 1]
+    forces[:, beside] += [0.0, 0.0, -1e-4]
+    assert not along_the_mean(body, forces, expected_anchors(body, forces, 2))
 
 
 def test_loads_never_seen_are_expanded_better_about_clusters(

@@ -16,6 +16,7 @@ from physgnn.mechanics.reduced.expansions.load_clusters import (
     energy_coordinates,
     third_order,
 )
+from physgnn.mechanics.reduced.submodels.near_loads import FEW
 
 LEVELS = np.arange(1, 11) / 10  # a load is expected at each of these factors
 LOADS_A_CLUSTER = 5  # fewer would have states of their own, and be told too well
@@ -52,7 +53,7 @@ def expected_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatArr
         return np.zeros((n_anchors, *forces.shape[1:]))
     strongest = energy_coordinates(RestState(body), forces)
     steps = _steps_along_mean(strongest, n_anchors)
-    if len(forces) >= LOADS_A_CLUSTER * n_anchors:
+    if _may_cluster(forces, n_anchors):
         loads = (LEVELS[:, None, None] * strongest).reshape(-1, len(forces))
         weights = clusters(loads, n_anchors)
         left = third_order(loads, weights @ loads)
@@ -63,6 +64,18 @@ def expected_anchors(body: Body, forces: FloatArray, n_anchors: int) -> FloatArr
             )
             return _under_each(body, means, n_anchors)
     return _along(body, forces.mean(axis=0), steps)
+
+
+def _may_cluster(forces: FloatArray, n_anchors: int) -> bool:
+    """Return whether there are loads enough for clusters, and states for their places.
+
+    Under a force on few points the cells round it are solved (`near_loads`), not those
+    round another place that a state has loaded: it must not load another.
+    """
+    if len(forces) < LOADS_A_CLUSTER * n_anchors:
+        return False
+    places = np.unique(forces.any(axis=2), axis=0)
+    return len(places) <= n_anchors or bool(places.sum(axis=1).min() > FEW)
 
 
 def _steps_along_mean(loads: FloatArray, n_steps: int) -> FloatArray:
