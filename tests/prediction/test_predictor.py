@@ -1,10 +1,12 @@
 """A predictor says how far to trust it, and is repaired where that is not enough."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from physgnn.bundled import BUNDLED_RUN
 from physgnn.dataset.splits.samples import Split
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
@@ -135,10 +137,24 @@ def test_without_calibration_a_tolerance_means_a_repair(
     assert predictor(case, tolerance_mm=1e3).status is PredictionStatus.REPAIRED
 
 
-@pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, np.nan, np.inf])
 def test_bad_tolerance(store: Store, predictor: Predictor, tolerance: float) -> None:
     with pytest.raises(InputError, match="tolerance_mm must be > 0"):
         predictor(store.load_case(0, 0), tolerance_mm=tolerance)
+
+
+def test_a_run_that_has_lost_its_calibration_says_so(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(BUNDLED_RUN, run)
+    whole = Predictor.load(run, warm=False)
+    assert whole.calibration is not None
+    assert not caplog.messages
+    files = RunFolder(run)
+    files.calibration.unlink()
+    assert Predictor.load(run, warm=False).calibration is None
+    assert [m for m in caplog.messages if f"lost its {files.calibration.name}" in m]
 
 
 def test_nothing_speaks_for_a_quick_prediction_without_calibration(

@@ -61,7 +61,7 @@ def write_arrays(path: str | Path, simulations: Sequence[Simulation]) -> None:
         If the name does not end in .npz or the folder is missing.
     """
     path = Path(path)
-    if path.suffix != ".npz":
+    if path.suffix.lower() != ".npz":
         raise InputError(f"{path}: arrays are written as .npz (got '{path.suffix}')")
     first = simulations[0]
     widest = max(len(s.load_path.nodes) for s in simulations)

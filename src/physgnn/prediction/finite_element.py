@@ -2,6 +2,8 @@
 
 import time
 
+import numpy as np
+
 from physgnn.arrays import FloatArray
 from physgnn.choices import Estimate
 from physgnn.errors import InputError
@@ -74,8 +76,8 @@ def solve_by_finite_elements(
     InputError
         If the path does not fit the body or the tolerance is not positive.
     """
-    if not tolerance_mm > 0:
-        raise InputError(f"tolerance_mm must be > 0 (got {tolerance_mm})")
+    if not 0 < tolerance_mm < np.inf:
+        raise InputError(f"tolerance_mm must be > 0 and finite (got {tolerance_mm})")
     within = tolerance_mm / SAFETY
     found = Solver(body, options=SolverOptions(tolerance_mm=within)).solve(path)
     last, status = found.displacement[-1], Status(int(found.status[-1]))

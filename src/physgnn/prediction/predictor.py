@@ -1,5 +1,6 @@
 """From a load case to a displacement with an error estimate and a status."""
 
+import logging
 import time
 from functools import cached_property
 from pathlib import Path
@@ -10,8 +11,10 @@ import torch
 from physgnn.arrays import FloatArray
 from physgnn.choices import Estimate
 from physgnn.errors import InputError
+from physgnn.io.integrity.digest import Manifest
 from physgnn.learning.runs.checkpoint import Checkpoint
 from physgnn.learning.runs.folder import RunFolder
+from physgnn.learning.runs.parts import REMEDY, read_manifest
 from physgnn.learning.surrogate import Surrogate
 from physgnn.mechanics.equilibrium.relaxation import Relaxation
 from physgnn.mechanics.equilibrium.warm_start import WarmStartSolver
@@ -135,8 +138,10 @@ class Predictor:
         """
         begun = time.perf_counter()
         load_case.check_against(self.body.mesh, self.body.fixed)
-        if tolerance_mm is not None and not tolerance_mm > 0:
-            raise InputError(f"tolerance_mm must be > 0 (got {tolerance_mm})")
+        if tolerance_mm is not None and not 0 < tolerance_mm < np.inf:
+            raise InputError(
+                f"tolerance_mm must be > 0 and finite (got {tolerance_mm})"
+            )
         if estimate not in [*Estimate]:
             raise InputError(
                 f"estimate must be one of {', '.join(Estimate)} (got {estimate})"
@@ -256,4 +261,12 @@ class Predictor:
 
 
 def _read_if_there(file: Path) -> Calibration | None:
-    return Calibration.read(file) if file.is_file() else None
+    if file.is_file():
+        return Calibration.read(file)
+    if file.name in (read_manifest(file.parent) or Manifest()).parts:
+        logging.getLogger(__name__).warning(
+            "physgnn: %s has lost its %s: without it no error bound is given, and "
+            "nothing tells loads outside the trained range; %s",
+            *(file.parent, file.name, REMEDY),
+        )
+    return None

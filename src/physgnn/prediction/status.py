@@ -70,12 +70,12 @@ _REMEDY = {
         "the brain looks like a brain that sank"
     ),
     PredictionStatus.REPAIRED: (
-        "the estimate was above the tolerance, so the prediction was taken to "
-        "equilibrium: raise tolerance_mm to save its time"
+        "the estimate was above the tolerance, or promises nothing for this load, so "
+        "the prediction was taken to equilibrium"
     ),
     PredictionStatus.SOLVED: (
         "the load was solved by finite elements from rest, no prediction being near "
-        "enough: raise tolerance_mm to save its time"
+        "enough"
     ),
     PredictionStatus.OUTSIDE_TRAINED_RANGE: (
         "the load lies outside the trained range, where the error estimate promises "

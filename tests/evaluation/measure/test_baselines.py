@@ -71,6 +71,7 @@ def test_names_on_the_command_line(store: Store) -> None:
     assert named_baselines("all", held_out) == tuple(BASELINES)
     assert named_baselines("quick", held_out) == QUICK
     assert named_baselines("zero, linear", held_out) == ("zero", "linear")
+    assert named_baselines("zero,linear,zero", held_out) == ("zero", "linear")
 
 
 def test_zero(store: Store) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physgnn.dataset.splits.load_identity import load_digests
 from physgnn.dataset.splits.samples import split_path
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
@@ -56,6 +57,17 @@ def test_samples_of_the_training_set_are_refused(store: Store) -> None:
 def test_other_data_on_the_same_mesh_is_all_new(store: Store) -> None:
     other = record(store, hash="of other data")
     check_unseen(other, HeldOut.of(store, "published"), RUN)
+
+
+def test_load_paths_that_taught_are_refused_in_other_data(store: Store) -> None:
+    """As of a dataset that was completed, or made longer, after the training."""
+    split = split_path(store)
+    other = record(store, hash="of the dataset before it was completed")
+    other["split"]["load_paths"] = list(load_digests(store, split.train))
+    check_unseen(other, HeldOut.of(store, "path"), RUN)
+    other["split"]["load_paths"] += load_digests(store, split.test[:1])
+    with pytest.raises(InputError, match="trained on 1 of the"):
+        check_unseen(other, HeldOut.of(store, "path"), RUN)
 
 
 def test_another_mesh_is_refused(store: Store) -> None:

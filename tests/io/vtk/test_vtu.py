@@ -82,6 +82,11 @@ def test_names_and_folders(tmp_path: Path, block: TetMesh) -> None:
         read_mesh(tmp_path / "case.vtu")
 
 
+def test_the_case_of_letters_does_not_matter(tmp_path: Path, block: TetMesh) -> None:
+    write_mesh(tmp_path / "CASE.VTU", block)
+    assert read_mesh(tmp_path / "CASE.VTU").content_hash == block.content_hash
+
+
 def test_a_mesh_in_another_unit_is_refused_or_told(
     tmp_path: Path, block: TetMesh
 ) -> None:

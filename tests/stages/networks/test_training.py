@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
 from physgnn.dataset import Preset
 from physgnn.errors import InputError
 from physgnn.geometry.tetmesh import TetMesh
 from physgnn.learning.runs.checkpoint import read_record
 from physgnn.learning.training.config import TrainingConfig
+from physgnn.learning.training.devices import Machine
 from physgnn.mechanics import LoadPath, NeoHookean
 from physgnn.mechanics.loads.sampling import equal_levels
 from physgnn.stages import train
@@ -69,6 +71,23 @@ def test_a_run_to_begin_with_does_not_ask_for_them(
     options = read_record(begun)["config"]["options"]
     assert (options["submodel_hops"], options["relaxed_patches"]) == (0, 0)
     assert options["width"] == 4
+    with pytest.raises(InputError, match="is of model 'lifted', not of 'cnn'"):
+        train(
+            tmp_path / "physgnn.zarr",
+            tmp_path / "other",
+            model="cnn",
+            start=tmp_path / "own",
+            max_epochs=1,
+        )
+    assert not (tmp_path / "other").exists()
+
+
+@pytest.mark.parametrize("device", ["tpu", "xpu", "cuda"])
+def test_a_device_that_is_not_there_is_refused(device: str) -> None:
+    if device == "cuda" and torch.cuda.is_available():
+        pytest.skip("this machine has one")
+    with pytest.raises(InputError, match=rf"device must be .* \(got '{device}'\)"):
+        Machine(device)
 
 
 def pushes(_: TetMesh, loaded: np.ndarray) -> list[LoadPath]:

@@ -47,7 +47,8 @@ def named_baselines(text: str, held_out: HeldOut) -> tuple[str, ...]:
         return tuple(k for k in names if model_class(k).is_meant_for(store, test))
     if text == "quick":
         return QUICK
-    return tuple(method_name(name.strip()) for name in text.split(","))
+    named = (method_name(name.strip()) for name in text.split(","))
+    return tuple(dict.fromkeys(named))  # one row each, however often they are named
 
 
 def baseline_rows(

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from physgnn.arrays import IntArray
+from physgnn.dataset.splits.load_identity import load_digests
 from physgnn.dataset.splits.samples import MESH, SPLITS, Split, named_split
 from physgnn.dataset.storage.store import Store
 from physgnn.errors import InputError
@@ -88,7 +89,8 @@ def check_unseen(record: Mapping[str, Any], held_out: HeldOut, run: Path) -> Non
         return
     check_mesh(record, store.mesh, run)
     if record["data"]["hash"] != store.content_hash():
-        return  # other data, made for this evaluation
+        _check_load_paths(record, held_out, run)
+        return
     trained = named_split(record["split"]["name"], store)
     seen = {tuple(row) for row in np.concatenate([trained.train, trained.validation])}
     overlap = sum(tuple(row) in seen for row in held_out.test)
@@ -97,4 +99,22 @@ def check_unseen(record: Mapping[str, Any], held_out: HeldOut, run: Path) -> Non
             f"{run} was trained with split '{trained.name}', on {overlap} of the "
             f"{len(held_out.test)} test samples of split '{held_out.split}': evaluate "
             f"it with --split {trained.name}, or train with --split {held_out.split}"
+        )
+
+
+def _check_load_paths(record: Mapping[str, Any], held_out: HeldOut, run: Path) -> None:
+    """Raise InputError if other data have load paths that a run was trained on.
+
+    A dataset that was completed after the training, or drawn alike and made longer, has
+    other splits. Runs of before they noted their load paths are believed.
+    """
+    taught = set(record["split"].get("load_paths", ()))
+    tested = load_digests(held_out.store, held_out.test)
+    overlap = sum(name in taught for name in tested)
+    if overlap:
+        raise InputError(
+            f"{run} was trained on {overlap} of the {len(tested)} load paths of "
+            f"{held_out.store.path} that split '{held_out.split}' tests: the dataset "
+            "is not the one it was trained on, but has the same load paths; train it "
+            "on this one, or evaluate it on load paths of another seed"
         )

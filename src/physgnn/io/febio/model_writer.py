@@ -73,7 +73,7 @@ def write_febio(
         part of it free to move, or FEBio has no such load.
     """
     path = Path(path)
-    if path.suffix != ".feb":
+    if path.suffix.lower() != ".feb":
         raise InputError(
             f"{path}: a FEBio model is written as .feb (got '{path.suffix}')"
         )

@@ -28,7 +28,8 @@ def what_is_missing(path: Path, *, may_be_empty: bool = False) -> str | None:
         return None
     if path.stat().st_size == 0:
         return None if may_be_empty else "its writer left an empty file"
-    check = next((c for end, c in CHECKS.items() if path.name.endswith(end)), None)
+    name = path.name.lower()
+    check = next((c for end, c in CHECKS.items() if name.endswith(end)), None)
     try:
         whole = check is None or check(path)
     except (OSError, EOFError, ValueError, zlib.error, struct.error, KeyError):

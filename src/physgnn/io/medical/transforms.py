@@ -56,7 +56,7 @@ def write_field(
         convention wants the inverse.
     """
     path = Path(path)
-    is_transform = path.suffix == TRANSFORM_SUFFIX
+    is_transform = path.suffix.lower() == TRANSFORM_SUFFIX
     name = convention or ("itk-transform" if is_transform else "itk")
     if name not in FIELD_FORMATS:
         raise InputError(

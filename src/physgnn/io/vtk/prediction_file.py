@@ -196,10 +196,11 @@ def write_deformed(
 
     path = Path(path)
     moved = mesh.points + displacement
-    if path.suffix == ".vtu":
+    suffix = path.suffix.lower()
+    if suffix == ".vtu":
         body = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells}, moved)
         body.cell_data["region"] = mesh.region
-    elif path.suffix == ".vtp":
+    elif suffix == ".vtp":
         faces, region = _surfaces(mesh)
         body = pv.PolyData.from_regular_faces(moved, faces.astype(int))
         body.cell_data["region"] = region

@@ -145,7 +145,8 @@ def read_mesh(path: str | Path, *, log: Log = no_log) -> TetMesh:
     if not path.is_file():
         raise InputError(f"{path}: no such file; make a mesh with 'physgnn mesh'")
     with path.open("rb") as file:
-        if path.suffix != ".vtu" or b'type="UnstructuredGrid"' not in file.read(4096):
+        head = file.read(4096)
+        if path.suffix.lower() != ".vtu" or b'type="UnstructuredGrid"' not in head:
             raise InputError(
                 f"{path}: expected an unstructured grid, .vtu (got another file): make "
                 "a mesh with 'physgnn mesh'"
@@ -197,6 +198,6 @@ def grid_of(mesh: TetMesh) -> "pv.UnstructuredGrid":
 
 def save_grid(path: Path, grid: "pv.UnstructuredGrid") -> None:
     """Write a grid; InputError if the name does not end in .vtu."""
-    if path.suffix != ".vtu":
+    if path.suffix.lower() != ".vtu":
         raise InputError(f"{path}: a mesh is written as .vtu (got '{path.suffix}')")
     write_vtk(path, grid)

@@ -30,7 +30,7 @@ def write_vtk(path: Path, data: "pv.DataSet") -> None:
     """
     from vtkmodules import vtkIOXML
 
-    writer = getattr(vtkIOXML, WRITERS[path.suffix])()
+    writer = getattr(vtkIOXML, WRITERS[path.suffix.lower()])()
     writer.SetInputData(data)
     writer.SetDataModeToBinary()  # in base64: the file is text
     writer.SetWriteToOutputString(True)

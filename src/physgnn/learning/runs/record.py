@@ -78,8 +78,20 @@ def new_record(
             "validation": sum(len(split.validation) for split in splits),
             "test": sum(len(split.test) for split in splits),
             "hash": _joint([_split_hash(split) for split in splits]),
+            "load_paths": _taught(meshes),
         },
     }
+
+
+def _taught(meshes: "Sequence[tuple[Store, Split]]") -> list[str]:
+    """Return the digests of the load paths that teach or validate, of all datasets."""
+    from physgnn.dataset.splits.load_identity import load_digests
+
+    used = (
+        load_digests(store, np.concatenate([split.train, split.validation]))
+        for store, split in meshes
+    )
+    return sorted({name for names in used for name in names})
 
 
 def with_places(

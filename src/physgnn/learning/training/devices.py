@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+import torch
 from lightning.pytorch import Callback, Trainer
 from lightning.pytorch.callbacks import EarlyStopping
 from lightning.pytorch.loggers import TensorBoardLogger
@@ -36,7 +37,7 @@ class Machine:
     Raises
     ------
     InputError
-        If there's no process or no machine.
+        If there's no process or no machine, or the device isn't there.
     """
 
     device: str = "cpu"
@@ -48,6 +49,19 @@ class Machine:
             raise InputError(
                 "devices and num_nodes must be 1 or more "
                 f"(got {self.devices} and {self.num_nodes})"
+            )
+        there = {
+            "cpu": True,
+            "auto": True,
+            "cuda": torch.cuda.is_available(),
+            "gpu": torch.cuda.is_available() or torch.backends.mps.is_available(),
+            "mps": torch.backends.mps.is_available(),
+        }
+        if not there.get(self.device, False):
+            usable = ", ".join(name for name, is_there in there.items() if is_there)
+            raise InputError(
+                f"device must be one that this machine has: {usable} "
+                f"(got '{self.device}')"
             )
 
 

@@ -84,7 +84,7 @@ def view(path: str | Path | None, mesh: TetMesh | None = None) -> Viewed:
     path = Path(path)
     if path.is_dir():
         return view_run(path, "/".join(path.resolve().parts[-2:]))
-    if path.suffix != ".vtu":
+    if path.suffix.lower() != ".vtu":
         raise InputError(f"{path} must be a run folder or a mesh, .vtu")
     from physgnn.io import read_mesh
 

@@ -95,15 +95,18 @@ seed
         "memory_mb": memory_mb,
         "precision": precision,
     }
+    earlier = _model_of_run(Path(out) if resume else start)
     settings = read_training(
         config,
-        **_model_of_run(Path(out)) if resume else {},
+        **earlier,
         model=model,
         max_minutes=max_minutes,
         seed=seed,
         options=options,
         **of_steps,
     )
+    if start is not None and settings.model != earlier.get("default_model"):
+        _check_begun(Path(start), settings.model)
     machine = {
         "device": None if device == "cpu" else device,
         "devices": None if devices == 1 else devices,
@@ -135,13 +138,23 @@ def _check_used(model: str, of_steps: Mapping[str, object]) -> None:
         )
 
 
-def _model_of_run(run: Path) -> dict[str, Any]:
-    """Return what a run to resume trains if nothing else is said: its own model."""
+def _check_begun(start: Path, model: str) -> None:
+    """Raise InputError if a run to begin with is not of the model that is named."""
+    begun = _model_of_run(start).get("default_model", model)
+    if begun != model:
+        raise InputError(
+            f"{start} is of model '{begun}', not of '{model}': a training begins with "
+            "weights of its own model; leave one of the two out"
+        )
+
+
+def _model_of_run(run: str | Path | None) -> dict[str, Any]:
+    """Return what is trained if nothing else is said: the model of an earlier run."""
     from physgnn.learning.runs.folder import RunFolder
     from physgnn.learning.runs.record import read_json
 
-    record = RunFolder(run).record
-    if not record.is_file():
+    record = None if run is None else RunFolder(Path(run)).record
+    if record is None or not record.is_file():
         return {}  # training says what is missing
     return {"default_model": read_json(record)["config"]["model"]}
 

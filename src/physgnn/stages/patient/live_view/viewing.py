@@ -64,7 +64,7 @@ def view(
         igtl_surfaces=igtl_surfaces,
         log=log,
     )
-    if path is None or Path(path).suffix != ".vtu":
+    if path is None or Path(path).suffix.lower() != ".vtu":
         if save is not None:
             raise InputError(f"--save goes with a case, .vtu (got {path or 'none'})")
         show()

@@ -111,7 +111,7 @@ def _tumour(
         if labels is not None:
             raise InputError("--tumour-labels needs the label map, --tumour")
         return None, None
-    if Path(path).name.endswith(POINTS):
+    if Path(path).name.lower().endswith(POINTS):
         if labels is not None:
             raise InputError(
                 f"{path}: points have no labels: leave --tumour-labels out"
