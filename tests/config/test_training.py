@@ -32,3 +32,8 @@ def test_training(tmp_path: Path) -> None:
         read_training(write(tmp_path, "batchsize = 4"))
     with pytest.raises(InputError, match=r"batch_size .* must be int"):
         read_training(write(tmp_path, 'batch_size = "4"'))
+    with pytest.raises(InputError, match=r"options must be a table.*got 3"):
+        read_training(write(tmp_path, "options = 3"))
+    for seed in (2**32, 99999999999999999999):
+        with pytest.raises(InputError, match="seed"):
+            read_training(None, seed=seed)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from physgnn.config.tables import read_as, read_toml, table_of
+from physgnn.errors import InputError
 
 if TYPE_CHECKING:
     from physgnn.learning.training.config import TrainingConfig
@@ -50,7 +51,10 @@ def read_training(
     from physgnn.learning.training.config import TrainingConfig
 
     values = {} if path is None else read_toml(path)
-    options = {**values.pop("options", {}), **changes.pop("options", {})}
+    table = values.pop("options", {})
+    if not isinstance(table, dict):
+        raise InputError(f"{path}: options must be a table, [options] (got {table!r})")
+    options = {**table, **changes.pop("options", {})}
     given = {name: value for name, value in changes.items() if value is not None}
     model = default_model if OF_PHYSGNN.isdisjoint(options) else "physgnn"
     config: TrainingConfig = read_as(

@@ -9,6 +9,8 @@ from physgnn import choices
 from physgnn.errors import InputError
 from physgnn.learning.models import MODELS, is_model, method_name, method_options
 
+LARGEST_SEED = 2**32 - 1
+
 
 @dataclass(frozen=True)
 class TrainingConfig:
@@ -57,7 +59,8 @@ class TrainingConfig:
         PhysGNN's step takes two thirds of the time at a third of the points; other
         models gain nothing. Validation is on all points.
     seed : int
-        Of the weights, the order of samples, and dropout.
+        Of the weights, the order of samples, and dropout; at most 2³² − 1, as
+        scikit-learn takes it.
 
     Raises
     ------
@@ -115,6 +118,8 @@ class TrainingConfig:
         ):  # fmt: skip
             if not 0 <= getattr(self, name) < math.inf:
                 raise InputError(f"{name} must be ≥ 0 (got {getattr(self, name)})")
+        if self.seed > LARGEST_SEED:
+            raise InputError(f"seed must be ≤ {LARGEST_SEED} (got {self.seed})")
         if not 0 < self.point_fraction <= 1:
             raise InputError(
                 f"point_fraction must be in (0, 1] (got {self.point_fraction})"
